@@ -1,0 +1,455 @@
+//! The tube radius delta: options in, enclosure out (theory.md, sections 2 to 5).
+
+use crate::error::{Error, ErrorKind};
+use crate::number::{Rational, f64_above, f64_below, rational_from_f64, same};
+use crate::search::body::{self, Candidate};
+use crate::search::curvature;
+use crate::search::ends::{self, Contact};
+use crate::search::frame::{At, Frame};
+use crate::search::meter::{Meter, Progress};
+use crate::search::tree::Tree;
+use crate::search::witness::{Exact, Witness};
+use crate::spine::Spine;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// A closed interval that holds a real number: `lo <= value <= hi`, both ends proved.
+///
+/// `hi` infinite: no upper bound is known, or none exists. `lo` infinite: the quantity is infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Enclosure {
+    /// Proved lower bound.
+    pub lo: f64,
+    /// Proved upper bound.
+    pub hi: f64,
+}
+
+impl Enclosure {
+    /// The enclosure of an infinite quantity, such as a term with no pair at all.
+    pub const INFINITE: Self = Self { lo: f64::INFINITY, hi: f64::INFINITY };
+
+    /// `hi - lo <= w hi`, or `lo = hi`.
+    #[must_use]
+    pub fn is_within(&self, w: f64) -> bool {
+        self.lo == self.hi || self.hi - self.lo <= w * self.hi
+    }
+
+    /// Do the two enclosures share a number?
+    #[must_use]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.lo <= other.hi && other.lo <= self.hi
+    }
+
+    fn of(x: &Rational) -> Self {
+        Self { lo: f64_below(x), hi: f64_above(x) }
+    }
+}
+
+/// What keeps delta from being larger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LimitedBy {
+    /// 1/kappa at a point.
+    Curvature,
+    /// Two points of the body, each nearest to their middle.
+    BodyToBody,
+    /// The disk at one end and a disk of the body.
+    EndToBody,
+    /// The disks at the two ends.
+    EndToEnd,
+    /// The tangent jumps at a joint, or at the closure: delta = 0.
+    Corner,
+    /// The spine touches itself: delta = 0.
+    SelfContact,
+    /// Nothing: the spine is straight and delta is infinite.
+    None,
+    /// The enclosure is too wide to tell.
+    Undecided,
+}
+
+impl LimitedBy {
+    /// The word used in JSON.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Curvature => "curvature",
+            Self::BodyToBody => "body_to_body",
+            Self::EndToBody => "end_to_body",
+            Self::EndToEnd => "end_to_end",
+            Self::Corner => "corner",
+            Self::SelfContact => "self_contact",
+            Self::None => "none",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// An end of an open spine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SpineEnd {
+    /// The first point of the domain.
+    Start,
+    /// The last point of the domain.
+    Finish,
+}
+
+/// Where the upper bound of delta was witnessed. Parameters in the curve's own knots, `x` in its unit.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Location {
+    /// The second parameter; `None` for curvature and corners.
+    pub s: Option<Enclosure>,
+    /// The parameter.
+    pub t: Enclosure,
+    /// The point where the disks touch.
+    pub x: Option<[Enclosure; 3]>,
+    /// The end whose disk touches, for the two terms of the ends.
+    pub end: Option<SpineEnd>,
+}
+
+/// The four terms of delta; see theory.md, section 2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Terms {
+    /// 1 / kappa_max.
+    pub curvature: Enclosure,
+    /// Half the least distance of a doubly critical pair that is not local.
+    pub body_to_body: Enclosure,
+    /// The least rho(e, t) over an end e and the body.
+    pub end_to_body: Enclosure,
+    /// rho of the two ends.
+    pub end_to_end: Enclosure,
+}
+
+/// The terms of Theorem 3.1 of Maekawa et al. 1998, where the rims of disks meet (theory.md, section 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Rim {
+    /// Least radius at which the end circle meets a circle of the body.
+    pub end_to_body: Enclosure,
+    /// Radius at which the two end circles meet.
+    pub end_to_end: Enclosure,
+    /// The least of these, of 1/kappa_max and of the body term.
+    pub delta: Enclosure,
+}
+
+/// The answer of [`radius`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Radius {
+    /// delta: the largest radius for which the solid tube does not self-intersect. Every r < `lo` is proved free of
+    /// self-intersection, every r > `hi` is proved to have one.
+    pub delta: Enclosure,
+    /// The term that binds.
+    pub limited_by: LimitedBy,
+    /// Other terms whose enclosure meets that of delta.
+    pub also: Vec<LimitedBy>,
+    /// Is the spine closed with a common tangent?
+    pub closed: bool,
+    /// The exact witness of `delta.hi`.
+    pub at: Option<Location>,
+    /// The four terms. A term that cannot bind may have an infinite `hi` unless all terms were asked for.
+    pub terms: Terms,
+    /// The rim terms, if all terms were asked for and the spine is open.
+    pub rim: Option<Rim>,
+    /// Was everything enclosed as narrowly as asked?
+    pub complete: bool,
+    /// Cells that the searches looked at.
+    pub cells: u64,
+}
+
+/// Options of [`radius`].
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct RadiusOptions {
+    /// Asked width: `hi - lo <= rel_width * hi`. Default 1e-9.
+    pub rel_width: f64,
+    /// Enclose every term, and the rim terms.
+    pub all_terms: bool,
+    /// Cells after which the searches stop, with what is proved by then. Default 20 million.
+    pub max_cells: u64,
+    /// Wall-clock limit; makes answers depend on the machine. Off by default.
+    pub budget: Option<Duration>,
+    /// Set to true from another thread to stop early, with what is proved by then.
+    pub cancel: Option<Arc<AtomicBool>>,
+    /// Called now and then with the number of cells done.
+    pub progress: Option<Progress>,
+}
+
+impl std::fmt::Debug for RadiusOptions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RadiusOptions")
+            .field("rel_width", &self.rel_width)
+            .field("all_terms", &self.all_terms)
+            .field("max_cells", &self.max_cells)
+            .field("budget", &self.budget)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for RadiusOptions {
+    fn default() -> Self {
+        Self { rel_width: 1e-9, all_terms: false, max_cells: 20_000_000, budget: None, cancel: None, progress: None }
+    }
+}
+
+impl RadiusOptions {
+    /// The defaults.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets the asked relative width.
+    #[must_use]
+    pub fn rel_width(mut self, w: f64) -> Self {
+        self.rel_width = w;
+        self
+    }
+
+    /// Asks for every term, and the rim terms.
+    #[must_use]
+    pub fn all_terms(mut self, yes: bool) -> Self {
+        self.all_terms = yes;
+        self
+    }
+
+    /// Sets the number of cells after which the searches stop.
+    #[must_use]
+    pub fn max_cells(mut self, n: u64) -> Self {
+        self.max_cells = n;
+        self
+    }
+
+    /// Sets a wall-clock limit.
+    #[must_use]
+    pub fn budget(mut self, limit: Duration) -> Self {
+        self.budget = Some(limit);
+        self
+    }
+
+    /// Sets a flag that stops the searches early.
+    #[must_use]
+    pub fn cancel(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.cancel = Some(flag);
+        self
+    }
+
+    /// Sets a callback that is told the number of cells done.
+    #[must_use]
+    pub fn progress(mut self, report: impl Fn(u64) + Send + Sync + 'static) -> Self {
+        self.progress = Some(Arc::new(report));
+        self
+    }
+}
+
+/// Encloses delta, the largest radius for which the solid tube around the spine does not self-intersect
+/// (theory.md, section 2): the thickness of a closed spine, and for an open one the same with its end disks.
+///
+/// Both bounds are proved. They never depend on the search having found anything: the search only makes them narrow.
+///
+/// # Errors
+/// [`ErrorKind::Option`] for a width that is not a positive number, [`ErrorKind::Rounding`] if the processor does not
+/// round as IEEE 754 says.
+///
+/// ```
+/// use tubecert::{RadiusOptions, Spine, radius};
+/// let parabola = Spine::from_json_str(r#"{"degree": 2, "control_points": [[-1, 1], [0, -1], [1, 1]]}"#)?;
+/// let answer = radius(&parabola, &RadiusOptions::new())?;
+/// assert!(answer.delta.lo <= 0.5 && 0.5 <= answer.delta.hi && answer.delta.is_within(1e-9));
+/// # Ok::<(), tubecert::Error>(())
+/// ```
+pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
+    if !(options.rel_width > 0.0 && options.rel_width < 1.0) {
+        let message = format!("the relative width must lie between 0 and 1, not {}", options.rel_width);
+        return Err(Error::new(ErrorKind::Option, message).key("rel_width").help("use for instance 1e-9"));
+    }
+    if !crate::enclosure::rounding_is_sound() {
+        return Err(Error::new(ErrorKind::Rounding, "floating-point rounding does not follow IEEE 754 here")
+            .help("run on real hardware: emulators and valgrind are known to break directed rounding"));
+    }
+    if let Some(corner) = &spine.corner {
+        return Ok(touching(
+            spine,
+            LimitedBy::Corner,
+            Location { s: None, t: Enclosure::of(&spine.segments[corner.joint].from), x: None, end: None },
+        ));
+    }
+    let frame = Frame::new(spine);
+    if curvature::straight(&frame) {
+        let none = Enclosure::INFINITE;
+        let terms = Terms { curvature: none, body_to_body: none, end_to_body: none, end_to_end: none };
+        let rim = options.all_terms.then_some(Rim { end_to_body: none, end_to_end: none, delta: none });
+        return Ok(Radius {
+            delta: none,
+            limited_by: LimitedBy::None,
+            also: vec![],
+            closed: false,
+            at: None,
+            terms,
+            rim,
+            complete: true,
+            cells: 0,
+        });
+    }
+    Ok(Job::new(&frame, options).run(spine))
+}
+
+/// delta = 0, proved.
+fn touching(spine: &Spine, limited_by: LimitedBy, at: Location) -> Radius {
+    let zero = Enclosure { lo: 0.0, hi: 0.0 };
+    let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
+    Radius {
+        delta: zero,
+        limited_by,
+        also: vec![],
+        closed: spine.is_closed(),
+        at: Some(at),
+        terms: Terms { curvature: open, body_to_body: open, end_to_body: open, end_to_end: open },
+        rim: None,
+        complete: true,
+        cells: 0,
+    }
+}
+
+struct Job<'a> {
+    frame: &'a Frame,
+    options: &'a RadiusOptions,
+    tree: Tree<'a>,
+    exact: Exact<'a>,
+    meter: Meter,
+    /// The share below a candidate at which the lower bound is tried.
+    margin: f64,
+}
+
+/// An upper bound found for delta, in the unit box.
+#[derive(Debug, Clone)]
+struct Upper {
+    term: LimitedBy,
+    witness: Witness,
+    end: Option<SpineEnd>,
+}
+
+impl<'a> Job<'a> {
+    fn new(frame: &'a Frame, options: &'a RadiusOptions) -> Self {
+        let meter = Meter {
+            cells: 0,
+            max_cells: options.max_cells,
+            deadline: options.budget.and_then(|b| Instant::now().checked_add(b)),
+            cancel: options.cancel.clone(),
+            progress: options.progress.clone(),
+            stopped: false,
+        };
+        let margin = 0.4 * options.rel_width;
+        Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin }
+    }
+
+    fn run(mut self, spine: &Spine) -> Radius {
+        let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
+        let body = body::body_to_body(&mut self.tree, bend, self.margin, &mut self.meter);
+        if let Some(pair) = body.candidate.filter(|_| body.radius < 1e-12) {
+            if let Some(witness) = self.exact.self_contact(&pair) {
+                return touching(spine, LimitedBy::SelfContact, self.location(&witness, None));
+            }
+        }
+        let mut radius = body.radius;
+        let mut contacts: Vec<Contact> = vec![];
+        if !self.frame.closed {
+            for finish in [false, true] {
+                let (proved, contact) = ends::end_to_body(&mut self.tree, finish, radius, self.margin, &mut self.meter);
+                radius = proved;
+                contacts.extend(contact);
+            }
+        }
+        let curved = peak.and_then(|peak| self.exact.curved(&peak));
+        let ceiling = curved.as_ref().map_or(f64::INFINITY, |w| w.radius);
+        let mut uppers: Vec<Upper> = vec![];
+        for contact in contacts.iter().filter(|c| c.radius < ceiling) {
+            let witness = self.exact.disks(contact).into_iter().chain(self.exact.end_valley(contact));
+            let Some(witness) = witness.min_by(|a, b| a.radius.total_cmp(&b.radius)) else { continue };
+            let other = self.exact.end(!contact.finish);
+            let term = if witness.t == other { LimitedBy::EndToEnd } else { LimitedBy::EndToBody };
+            let end = Some(if contact.finish { SpineEnd::Finish } else { SpineEnd::Start });
+            uppers.push(Upper { term, witness, end });
+        }
+        if let Some(pair) = body.candidate.filter(|c| c.radius < ceiling * (1.0 - 1e-12)) {
+            let witness = self.exact.valleys(&pair);
+            uppers.extend(witness.map(|witness| Upper { term: LimitedBy::BodyToBody, witness, end: None }));
+        }
+        uppers.extend(curved.map(|witness| Upper { term: LimitedBy::Curvature, witness, end: None }));
+        let best = uppers.iter().min_by(|a, b| a.witness.radius.total_cmp(&b.witness.radius));
+
+        let hi = |term: LimitedBy| {
+            uppers.iter().filter(|u| u.term == term).map(|u| u.witness.radius).fold(f64::INFINITY, f64::min)
+        };
+        let none = Enclosure::INFINITE;
+        let ends = |term| if self.frame.closed { none } else { self.enclosure(radius, hi(term)) };
+        let mut terms = Terms {
+            curvature: self.enclosure(bend, ceiling),
+            body_to_body: self.enclosure(body.radius, f64::INFINITY),
+            end_to_body: ends(LimitedBy::EndToBody),
+            end_to_end: ends(LimitedBy::EndToEnd),
+        };
+        let delta = self.enclosure(radius, best.map_or(f64::INFINITY, |u| u.witness.radius));
+        if let Some(pair) = body.candidate {
+            terms.body_to_body.hi = self.body_above(&pair, best);
+        }
+        let narrow = delta.is_within(self.options.rel_width);
+        let limited_by = best.filter(|_| narrow).map_or(LimitedBy::Undecided, |u| u.term);
+        let also = [
+            (LimitedBy::Curvature, terms.curvature),
+            (LimitedBy::BodyToBody, terms.body_to_body),
+            (LimitedBy::EndToBody, terms.end_to_body),
+            (LimitedBy::EndToEnd, terms.end_to_end),
+        ];
+        let also = also
+            .into_iter()
+            .filter(|(term, e)| *term != limited_by && e.hi.is_finite() && e.meets(&delta))
+            .map(|(term, _)| term)
+            .collect();
+        Radius {
+            delta,
+            limited_by,
+            also,
+            closed: self.frame.closed,
+            at: best.map(|u| self.location(&u.witness, u.end)),
+            terms,
+            rim: None,
+            complete: narrow,
+            cells: self.meter.cells,
+        }
+    }
+
+    /// An upper bound for the body term: a doubly critical pair is proved to exist near the candidate.
+    fn body_above(&mut self, pair: &Candidate, best: Option<&Upper>) -> f64 {
+        // on a closed spine, a valley below 1/kappa_max can be nothing else
+        if let Some(upper) = best.filter(|u| u.term == LimitedBy::BodyToBody && self.frame.closed) {
+            return self.enclosure(0.0, upper.witness.radius).hi;
+        }
+        let exact = if self.exact.exactly_critical(pair) { self.exact.exact_half_distance(pair) } else { None };
+        let jacobian = body::jacobian(&self.tree, pair);
+        let above = exact.or_else(|| self.exact.critical_box(pair, jacobian)).unwrap_or(f64::INFINITY);
+        self.enclosure(0.0, above).hi
+    }
+
+    /// From the unit box to the curve's unit, outward.
+    fn enclosure(&self, lo: f64, hi: f64) -> Enclosure {
+        let scaled = |x: f64| rational_from_f64(x).map(|x| self.frame.length(&x));
+        Enclosure { lo: scaled(lo).map_or(lo, |x| f64_below(&x)), hi: scaled(hi).map_or(hi, |x| f64_above(&x)) }
+    }
+
+    fn location(&self, witness: &Witness, end: Option<SpineEnd>) -> Location {
+        let parameter = |at: &At| {
+            let t = self.frame.parameter(at);
+            let last = self.frame.closed && self.frame.knots.last().is_some_and(|end| same(&t, end));
+            Enclosure::of(if last { &self.frame.knots[0] } else { &t })
+        };
+        Location {
+            s: witness.s.as_ref().map(parameter),
+            t: parameter(&witness.t),
+            x: witness.x.as_ref().map(|x| self.frame.point(x).each_ref().map(Enclosure::of)),
+            end,
+        }
+    }
+}

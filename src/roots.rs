@@ -1,0 +1,229 @@
+//! Does an integer polynomial vanish on [0, 1]? Decided exactly, multiple roots included.
+//!
+//! Bisection on Bernstein coefficients decides every case but a root of even multiplicity at a point that is not
+//! dyadic. After `PATIENCE` halvings the polynomial is replaced by its square-free part (the gcd with its derivative
+//! taken out), for which bisection always ends: a simple root ends as a change of sign, everywhere else the
+//! coefficients get one sign.
+
+use crate::integer::{Int, exact_div, gcd};
+
+/// Halvings before the square-free part is computed.
+const PATIENCE: u32 = 40;
+
+/// A cell [index, index + 1] / 2^depth of [0, 1] that holds a root, or a root itself when `exact`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) index: Int,
+    pub(crate) depth: u32,
+    pub(crate) exact: bool,
+}
+
+/// Bernstein coefficients on both halves of the interval, each times `2^degree`.
+pub(crate) fn halves(p: &[Int]) -> (Vec<Int>, Vec<Int>) {
+    let n = p.len() - 1;
+    let mut row = p.to_vec();
+    let (mut left, mut right) = (Vec::with_capacity(n + 1), Vec::with_capacity(n + 1));
+    for level in 0..=n {
+        let up = (n - level) as u64;
+        left.push(&row[0] << up);
+        right.push(&row[n - level] << up);
+        for i in 0..n - level {
+            row[i] = &row[i] + &row[i + 1];
+        }
+    }
+    right.reverse();
+    (left, right)
+}
+
+/// Where the polynomials, given by Bernstein coefficients on [0, 1], vanish together; `None` if nowhere.
+pub(crate) fn common_zero(polys: &[Vec<Int>]) -> Option<Place> {
+    let start = |polys: Vec<Vec<Int>>| (polys, Int::ZERO, 0u32);
+    match bisect(start(polys.to_vec()), PATIENCE) {
+        Ok(answer) => answer,
+        Err(()) => {
+            let common = polys.iter().map(|p| to_power(p)).reduce(|a, b| poly_gcd(a, b)).unwrap_or_default();
+            if common.is_empty() {
+                return Some(Place { index: Int::ZERO, depth: 0, exact: true });
+            }
+            let simple = to_bernstein(&squarefree(common));
+            bisect(start(vec![simple]), u32::MAX).unwrap_or(None)
+        }
+    }
+}
+
+/// Depth-first, left half first. `Err` when a cell at depth `patience` is still open.
+fn bisect(start: (Vec<Vec<Int>>, Int, u32), patience: u32) -> Result<Option<Place>, ()> {
+    let mut stack = vec![start];
+    let mut stuck = false;
+    while let Some((polys, index, depth)) = stack.pop() {
+        if polys.iter().any(|p| one_strict_sign(p)) {
+            continue;
+        }
+        for (end, at) in [(0, 0i64), (1, 1)] {
+            let value = |p: &Vec<Int>| if end == 0 { p[0].is_zero() } else { p[p.len() - 1].is_zero() };
+            if polys.iter().all(value) {
+                return Ok(Some(Place { index: &index + &Int::from(at), depth, exact: true }));
+            }
+        }
+        if let [p] = &polys[..] {
+            if p[0].sign() != p[p.len() - 1].sign() {
+                return Ok(Some(Place { index, depth, exact: false }));
+            }
+        }
+        if depth >= patience {
+            stuck = true;
+            continue;
+        }
+        let (left, right) = polys.iter().map(|p| halves(p)).unzip();
+        let twice = &index << 1;
+        stack.push((right, &twice + &Int::ONE, depth + 1));
+        stack.push((left, twice, depth + 1));
+    }
+    if stuck { Err(()) } else { Ok(None) }
+}
+
+fn one_strict_sign(p: &[Int]) -> bool {
+    let sign = p[0].sign();
+    sign.is_ne() && p.iter().all(|c| c.sign() == sign)
+}
+
+// --- power basis, lowest degree first, no leading zeros; the zero polynomial is empty -------------------------------
+
+fn trimmed(mut p: Vec<Int>) -> Vec<Int> {
+    while p.last().is_some_and(Int::is_zero) {
+        p.pop();
+    }
+    let content = p.iter().fold(Int::ZERO, |g, c| gcd(&g, c));
+    if !content.is_zero() && content != Int::ONE {
+        for c in &mut p {
+            *c = exact_div(c, &content);
+        }
+    }
+    p
+}
+
+/// Power coefficients are the forward differences times binomials.
+fn to_power(bernstein: &[Int]) -> Vec<Int> {
+    let n = bernstein.len() - 1;
+    let binomials = crate::bernstein::int_binomials(n);
+    let mut row = bernstein.to_vec();
+    let mut power = Vec::with_capacity(n + 1);
+    for (k, binomial) in binomials.iter().enumerate() {
+        power.push(binomial * &row[0]);
+        for i in 0..n - k {
+            row[i] = &row[i + 1] - &row[i];
+        }
+    }
+    trimmed(power)
+}
+
+/// Bernstein coefficients times `n!`: `b[i] = sum_k C(i,k) / C(n,k) p[k]`, with `C(i,k)/C(n,k) n! = i!/(i-k)! (n-k)!`.
+fn to_bernstein(power: &[Int]) -> Vec<Int> {
+    let n = power.len() - 1;
+    let factorial: Vec<Int> = (0..=n)
+        .scan(Int::ONE, |f, k| {
+            if k > 0 {
+                *f = &*f * &Int::from(k as i64);
+            }
+            Some(f.clone())
+        })
+        .collect();
+    (0..=n)
+        .map(|i| {
+            (0..=i).fold(Int::ZERO, |sum, k| {
+                let weight = &exact_div(&factorial[i], &factorial[i - k]) * &factorial[n - k];
+                &sum + &(&weight * &power[k])
+            })
+        })
+        .collect()
+}
+
+/// Primitive Euclid.
+fn poly_gcd(mut a: Vec<Int>, mut b: Vec<Int>) -> Vec<Int> {
+    while !b.is_empty() {
+        let r = pseudo_remainder(a, &b);
+        a = std::mem::replace(&mut b, r);
+    }
+    a
+}
+
+fn pseudo_remainder(mut a: Vec<Int>, b: &[Int]) -> Vec<Int> {
+    let lead = &b[b.len() - 1];
+    while a.len() >= b.len() {
+        let (top, shift) = (a[a.len() - 1].clone(), a.len() - b.len());
+        for c in &mut a {
+            *c = &*c * lead;
+        }
+        for (i, c) in b.iter().enumerate() {
+            a[i + shift] = &a[i + shift] - &(c * &top);
+        }
+        a = trimmed(a);
+    }
+    a
+}
+
+fn squarefree(p: Vec<Int>) -> Vec<Int> {
+    let derivative = trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * &Int::from(k as i64)).collect());
+    if derivative.is_empty() {
+        return p;
+    }
+    let g = poly_gcd(p.clone(), derivative);
+    // Exact division, up to a constant: pseudo-division leaves remainder zero.
+    let (mut rest, mut quotient) = (p, vec![]);
+    let lead = &g[g.len() - 1];
+    while rest.len() >= g.len() {
+        let (top, shift) = (rest[rest.len() - 1].clone(), rest.len() - g.len());
+        for c in rest.iter_mut().chain(&mut quotient) {
+            *c = &*c * lead;
+        }
+        for (i, c) in g.iter().enumerate() {
+            rest[i + shift] = &rest[i + shift] - &(c * &top);
+        }
+        rest.pop();
+        quotient.push(top);
+    }
+    quotient.reverse();
+    trimmed(quotient)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Product of (q x - p)^m times a positive quadratic, as Bernstein coefficients.
+    fn from_roots(roots: &[(i64, i64, u32)]) -> Vec<Int> {
+        let mut p = vec![Int::from(3), Int::from(1), Int::from(2)];
+        for &(num, den, multiplicity) in roots {
+            for _ in 0..multiplicity {
+                let mut next = vec![Int::ZERO; p.len() + 1];
+                for (k, c) in p.iter().enumerate() {
+                    next[k] = &next[k] - &(c * &Int::from(num));
+                    next[k + 1] = &next[k + 1] + &(c * &Int::from(den));
+                }
+                p = next;
+            }
+        }
+        to_bernstein(&p)
+    }
+
+    #[test]
+    fn double_root_at_a_third_is_found() {
+        let place = common_zero(&[from_roots(&[(1, 3, 2)])]).unwrap();
+        assert!(!place.exact);
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_factors(roots in prop::collection::vec((-20i64..30, 1i64..12, 1u32..4), 0..4)) {
+            let inside = roots.iter().any(|&(p, q, _)| 0 <= p && p <= q);
+            prop_assert_eq!(common_zero(&[from_roots(&roots)]).is_some(), inside);
+        }
+
+        #[test]
+        fn common_zeros_need_a_common_factor(a in 1i64..20, b in 1i64..20, q in 20i64..23) {
+            let place = common_zero(&[from_roots(&[(a, q, 2), (-1, 1, 1)]), from_roots(&[(b, q, 1), (30, 1, 1)])]);
+            prop_assert_eq!(place.is_some(), a == b);
+        }
+    }
+}

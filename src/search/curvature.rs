@@ -1,0 +1,260 @@
+//! The curvature term: 1/kappa > r on the whole spine, by positive Bernstein coefficients of |a|^6 - r^2 |b|^2 w^6 on the
+//! cells of a dyadic partition (theory.md, section 3). No root is isolated, so circles and clusters are no special case.
+
+use super::frame::{Dyadic, Frame};
+use super::meter::Meter;
+use crate::bernstein::{Form, Scalar, UNIT, Vec3, binomial_error, binomials, dot};
+use crate::enclosure::Interval;
+use crate::integer::{Int, ldexp};
+use crate::spine::Bezier;
+
+/// Cells deeper than this are given up.
+const MAX_DEPTH: u32 = 400;
+
+/// A place of high curvature: 1/kappa there, numerically.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Peak {
+    pub(crate) segment: usize,
+    pub(crate) t: f64,
+    pub(crate) radius: f64,
+}
+
+/// Bernstein coefficients of a, b and w on a cell, in f64: value = 2^exp (c +- rad).
+#[derive(Clone)]
+struct Strips {
+    a: Strip<3>,
+    b: Strip<3>,
+    w: Strip<1>,
+}
+
+#[derive(Clone)]
+struct Strip<const N: usize> {
+    c: Vec<[f64; N]>,
+    rad: f64,
+    exp: i64,
+}
+
+impl<const N: usize> Strip<N> {
+    fn new(forms: [&Form<Int>; N]) -> Self {
+        let degree = forms[0].ds;
+        let drop = forms.iter().flat_map(|f| &f.c).map(|x| x.bits() as i64).max().unwrap_or(0);
+        let binomials = binomials(degree);
+        let c: Vec<[f64; N]> =
+            (0..=degree).map(|i| forms.map(|f| f.c[i].to_f64_shifted(drop) / binomials[i])).collect();
+        let rad = (4.0 * UNIT + binomial_error(degree)) * max_abs(&c) + 1e-290;
+        Self { c, rad, exp: drop + forms[0].exp }
+    }
+
+    fn halves(&self) -> (Self, Self) {
+        let n = self.c.len() - 1;
+        let mut row = self.c.clone();
+        let (mut left, mut right) = (row.clone(), row.clone());
+        for level in 0..=n {
+            left[level] = row[0];
+            right[n - level] = row[n - level];
+            for i in 0..n - level {
+                row[i] = std::array::from_fn(|k| 0.5 * (row[i][k] + row[i + 1][k]));
+            }
+        }
+        let rad = (self.rad + (n + 1) as f64 * UNIT * max_abs(&self.c)) * (1.0 + 1e-9) + 1e-290;
+        (Self { c: left, rad, exp: self.exp }, Self { c: right, rad, exp: self.exp })
+    }
+
+    fn forms(&self) -> [Form<f64>; N] {
+        std::array::from_fn(|k| {
+            let strip: Vec<f64> = self.c.iter().map(|v| v[k]).collect();
+            Form::from_strip(&strip, self.rad, self.exp)
+        })
+    }
+
+    /// Value at t, numerically, without 2^exp.
+    fn at(&self, t: f64) -> [f64; N] {
+        let mut row = self.c.clone();
+        for m in (0..row.len() - 1).rev() {
+            for i in 0..=m {
+                row[i] = std::array::from_fn(|k| row[i][k] + t * (row[i + 1][k] - row[i][k]));
+            }
+        }
+        row[0]
+    }
+
+    fn longest(&self) -> f64 {
+        self.c.iter().map(length).fold(0.0, f64::max) * (1.0 + 8.0 * UNIT) + 2.0 * self.rad
+    }
+}
+
+fn max_abs<const N: usize>(c: &[[f64; N]]) -> f64 {
+    c.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()))
+}
+
+fn length<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+impl Strips {
+    fn new(bezier: &Bezier) -> Self {
+        let (forms, b) = (bezier.forms(), bezier.binormal());
+        Self { a: Strip::new(forms.a.each_ref()), b: Strip::new(b.each_ref()), w: Strip::new([&forms.w]) }
+    }
+
+    fn halves(&self) -> (Self, Self) {
+        let ((a0, a1), (b0, b1), (w0, w1)) = (self.a.halves(), self.b.halves(), self.w.halves());
+        (Self { a: a0, b: b0, w: w0 }, Self { a: a1, b: b1, w: w1 })
+    }
+
+    /// 1/kappa = |a|^3 / (|b| w^3) from three lengths.
+    fn radius(&self, a: f64, b: f64, w: f64) -> f64 {
+        let x = a / w; // first: the cubes of either may leave the range of f64
+        ldexp(x * x * x / b, 3 * self.a.exp - self.b.exp - 3 * self.w.exp)
+    }
+
+    fn radius_at(&self, t: f64) -> f64 {
+        self.radius(length(&self.a.at(t)), length(&self.b.at(t)), self.w.at(t)[0])
+    }
+
+    /// A crude lower bound for 1/kappa on the cell: shortest a along its mean, longest b, largest w.
+    fn floor(&self) -> f64 {
+        let mean: [f64; 3] = std::array::from_fn(|k| self.a.c.iter().map(|v| v[k]).sum());
+        let size = length(&mean);
+        let along = |v: &[f64; 3]| (0..3).map(|k| v[k] * mean[k]).sum::<f64>() / size;
+        let shortest = self.a.c.iter().map(along).fold(f64::INFINITY, f64::min);
+        let shortest = shortest - 2.0 * self.a.rad - 16.0 * UNIT * max_abs(&self.a.c);
+        if shortest > 0.0 {
+            self.radius(shortest, self.b.longest(), self.w.longest()) * (1.0 - 64.0 * UNIT)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// |a|^6 - r^2 |b|^2 w^6.
+fn form<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>, w: &Form<T>, r: f64) -> Form<T> {
+    let a2 = dot(a, a);
+    let w3 = w.sqr().mul(w).scale(r);
+    a2.sqr().mul(&a2).sub(&dot(b, b).mul(&w3.sqr()))
+}
+
+/// Is every segment straight (b = 0 identically)?
+pub(crate) fn straight(frame: &Frame) -> bool {
+    frame.segments.iter().all(|s| s.binormal().iter().all(Form::is_zero))
+}
+
+/// Proves 1/kappa > radius everywhere, for a radius just below (by `margin`) the least 1/kappa; returns that radius
+/// and the place.
+pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, Option<Peak>) {
+    let spans: Vec<Strips> = frame.segments.iter().map(Strips::new).collect();
+    let mut search = Search { frame, spans: &spans, margin, radius: f64::MAX, peak: None };
+    for segment in 0..spans.len() {
+        search.sample(segment);
+    }
+    for (segment, span) in spans.iter().enumerate() {
+        let mut open = vec![(span.clone(), 0u32, Int::ZERO)];
+        while let Some((strips, depth, index)) = open.pop() {
+            if search.closed(segment, &strips, depth, &index) {
+                continue;
+            }
+            if !meter.tick() || depth >= MAX_DEPTH {
+                search.radius = search.radius.min(strips.floor());
+                continue;
+            }
+            let (left, right) = strips.halves();
+            let twice = &index << 1;
+            open.push((right, depth + 1, &twice + &Int::ONE));
+            open.push((left, depth + 1, twice));
+        }
+    }
+    (search.radius, search.peak)
+}
+
+struct Search<'a> {
+    frame: &'a Frame,
+    spans: &'a [Strips],
+    margin: f64,
+    radius: f64,
+    peak: Option<Peak>,
+}
+
+impl Search<'_> {
+    /// Looks at a few points of a span, and climbs from the best.
+    fn sample(&mut self, segment: usize) {
+        let steps = 4 * self.frame.segments[segment].degree();
+        let strips = &self.spans[segment];
+        let h = 1.0 / steps as f64;
+        for i in 0..=steps {
+            let t = i as f64 * h;
+            if strips.radius_at(t) < self.radius {
+                self.climb(segment, t, h);
+            }
+        }
+    }
+
+    /// Golden section for the least 1/kappa near t.
+    fn climb(&mut self, segment: usize, t: f64, h: f64) {
+        let strips = &self.spans[segment];
+        let (t, radius) = golden(|t| strips.radius_at(t), t, h);
+        if radius * (1.0 - self.margin) < self.radius && radius > 0.0 {
+            self.radius = radius * (1.0 - self.margin);
+            self.peak = Some(Peak { segment, t, radius });
+        }
+    }
+
+    fn closed(&mut self, segment: usize, strips: &Strips, depth: u32, index: &Int) -> bool {
+        if strips.floor() > self.radius {
+            return true;
+        }
+        let h = (-f64::from(depth)).exp2();
+        let from = index.to_f64_shifted(i64::from(depth));
+        for (end, t) in [(0, from), (strips.a.c.len() - 1, from + h)] {
+            let last = |n: usize| if end == 0 { 0 } else { n - 1 };
+            let (a, b, w) = (&strips.a.c, &strips.b.c, &strips.w.c);
+            let here = strips.radius(length(&a[last(a.len())]), length(&b[last(b.len())]), w[last(w.len())][0]);
+            if here < self.radius {
+                self.climb(segment, t, h);
+            }
+        }
+        let [w] = strips.w.forms();
+        match form(&strips.a.forms(), &strips.b.forms(), &w, self.radius).positive() {
+            Some(closed) => closed,
+            None => self.closed_exactly(segment, depth, index),
+        }
+    }
+
+    /// The same from the exact arc: intervals, then integers.
+    fn closed_exactly(&self, segment: usize, depth: u32, index: &Int) -> bool {
+        let end = |i: Int| Dyadic { m: i, e: -i64::from(depth) };
+        let arc = self.frame.segments[segment].arc(&end(index.clone()), &end(index + &Int::ONE));
+        let (forms, b) = (arc.forms(), arc.binormal());
+        let near = forms.cast::<Interval>();
+        let b_near = b.each_ref().map(Interval::cast);
+        match form(&near.a, &b_near, &near.w, self.radius).positive() {
+            Some(closed) => closed,
+            None => form(&forms.a, &b, &forms.w, self.radius).positive() == Some(true),
+        }
+    }
+}
+
+/// The least value of f near t (within h, inside [0, 1]) by golden section, ends included.
+pub(crate) fn golden(f: impl Fn(f64) -> f64, t: f64, h: f64) -> (f64, f64) {
+    const SHARE: f64 = 0.618_033_988_749_894_9;
+    let (mut lo, mut hi) = ((t - h).max(0.0), (t + h).min(1.0));
+    let mut best = [lo, t, hi].map(|x| (x, f(x))).into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((t, f(t)));
+    let (mut x, mut y) = (hi - SHARE * (hi - lo), lo + SHARE * (hi - lo));
+    let (mut fx, mut fy) = (f(x), f(y));
+    for _ in 0..44 {
+        if fx <= fy {
+            (hi, y, fy) = (y, x, fx);
+            x = hi - SHARE * (hi - lo);
+            fx = f(x);
+        } else {
+            (lo, x, fx) = (x, y, fy);
+            y = lo + SHARE * (hi - lo);
+            fy = f(y);
+        }
+        for point in [(x, fx), (y, fy)] {
+            if point.1 < best.1 {
+                best = point;
+            }
+        }
+    }
+    best
+}

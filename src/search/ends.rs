@@ -1,0 +1,282 @@
+//! End to body (theory.md, section 5): the end disk of an open spine misses every other disk of the same radius.
+//!
+//! For an end e and a point t of the body put d = a(e), a = a(t), q = C(t) - C(e), u = d x a. On the line in which the
+//! two normal planes meet, every share k in [0, 1] gives
+//!   rho^2 >= k d_e^2 + (1-k) d_t^2 + k (1-k) X,   with equality for the best k,
+//! so disks of radius r are disjoint as soon as, for one k,
+//!   k (a.q)^2 |d|^2 + (1-k) (d.q)^2 |a|^2 + k (1-k) (u.q)^2 - r^2 |u|^2 > 0,
+//! which also holds the case u = 0 (then a.q != 0 or d.q != 0, and the planes differ). A fixed k per cell leaves a
+//! polynomial in t. The other rules: |q| > 2r, and Lemma L next to the end.
+
+use super::body::FLOOR;
+use super::curvature::golden;
+use super::frame::{Dyadic, Frame};
+use super::meter::Meter;
+use super::tree::{Cell, Cone, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
+use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
+use crate::enclosure::Interval;
+use crate::integer::Int;
+
+/// A numerical contact of an end disk with the disk at t.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Contact {
+    /// The end: start or finish.
+    pub(crate) finish: bool,
+    pub(crate) t: (usize, f64),
+    pub(crate) radius: f64,
+}
+
+/// Proves that the disk of `radius` at one end misses all others, except those at points that are joined to the end by
+/// an arc with tangents within 45 degrees of one vector; shrinks the radius until that is so.
+pub(crate) fn end_to_body(
+    tree: &mut Tree,
+    finish: bool,
+    start: f64,
+    margin: f64,
+    meter: &mut Meter,
+) -> (f64, Option<Contact>) {
+    let end = End::new(tree.frame, finish);
+    let mut search = Search { tree, end, margin, radius: start, contact: None, reach: None, broken: false };
+    let mut open = vec![search.tree.root()];
+    while let Some(id) = open.pop() {
+        if search.radius < FLOOR {
+            return (0.0, search.contact);
+        }
+        if search.closed(id) {
+            continue;
+        }
+        let children = if meter.tick() { search.tree.children(id) } else { None };
+        let Some((left, right)) = children else {
+            search.give_up(id);
+            continue;
+        };
+        // nearest to the end on top
+        open.extend(if finish { [left, right] } else { [right, left] });
+    }
+    (search.radius, search.contact)
+}
+
+/// The end in every arithmetic: homogeneous point and tangent vector.
+struct End {
+    finish: bool,
+    place: (usize, f64),
+    point: V3,
+    tangent: V3,
+    exact_point: [Int; 4],
+    exact_tangent: [Int; 3],
+}
+
+impl End {
+    fn new(frame: &Frame, finish: bool) -> Self {
+        let segment = if finish { frame.segments.len() - 1 } else { 0 };
+        let bezier = &frame.segments[segment];
+        let exact_point = bezier.point(if finish { bezier.degree() } else { 0 });
+        let exact_tangent = bezier.end_tangent(finish);
+        let near = |x: &Int, y: &Int| {
+            let (b, c) = (x.bits() as i64, y.bits() as i64);
+            crate::integer::ldexp(x.to_f64_shifted(b) / y.to_f64_shifted(c), b - c)
+        };
+        let point = [0, 1, 2].map(|k| near(&exact_point[k], &exact_point[3]));
+        let drop = exact_tangent.iter().map(|x| x.bits() as i64).max().unwrap_or(0);
+        let tangent = exact_tangent.each_ref().map(|x| x.to_f64_shifted(drop));
+        Self { finish, place: (segment, if finish { 1.0 } else { 0.0 }), point, tangent, exact_point, exact_tangent }
+    }
+}
+
+/// The polynomials of one arc against the end: q up to a positive factor, the weight w with the same factor.
+struct Against<T: Scalar> {
+    q: Vec3<T>,
+    w: Form<T>,
+    a: Vec3<T>,
+    d: Vec3<T>,
+}
+
+impl<T: Scalar> Against<T> {
+    /// |q|^2 - 4 r^2.
+    fn far(&self, r: f64) -> Option<bool> {
+        form::dot(&self.q, &self.q).sub(&self.w.clone().scale(2.0 * r).sqr()).positive()
+    }
+
+    /// The rule of the module for one share.
+    fn apart(&self, r: f64, share: f64) -> Option<bool> {
+        let u = form::cross(&self.d, &self.a);
+        let square = |x: &Vec3<T>, y: &Vec3<T>| form::dot(x, y).sqr();
+        let first = square(&self.a, &self.q).mul(&form::dot(&self.d, &self.d)).scale(share);
+        let second = square(&self.d, &self.q).mul(&form::dot(&self.a, &self.a)).scale(1.0 - share);
+        let third = square(&u, &self.q).scale(share).scale(1.0 - share);
+        let fourth = form::dot(&u, &u).mul(&self.w.clone().scale(r).sqr());
+        first.add(&second).add(&third).sub(&fourth).positive()
+    }
+}
+
+/// What rho is made of, numerically, at one t: d_e^2 |u|^2 and so on, with |d| = |a| = 1.
+#[derive(Clone, Copy)]
+struct Terms {
+    e: f64,
+    t: f64,
+    x: f64,
+    u: f64,
+}
+
+impl Terms {
+    /// Least over the common line of the larger distance, squared; infinite where the planes are (nearly) parallel.
+    fn rho_sq(&self) -> f64 {
+        if self.u < 1e-8 {
+            return f64::INFINITY;
+        }
+        let share = if self.x > 0.0 {
+            (0.5 + 0.5 * (self.e - self.t) / self.x).clamp(0.0, 1.0)
+        } else {
+            f64::from(u8::from(self.e > self.t))
+        };
+        self.at(share) / self.u
+    }
+
+    fn at(&self, share: f64) -> f64 {
+        share * self.e + (1.0 - share) * self.t + share * (1.0 - share) * self.x
+    }
+}
+
+struct Search<'t, 'f> {
+    tree: &'t mut Tree<'f>,
+    end: End,
+    margin: f64,
+    radius: f64,
+    contact: Option<Contact>,
+    /// The cone of the tangents from the end up to here, while everything so far was closed by Lemma L.
+    reach: Option<Cone>,
+    broken: bool,
+}
+
+impl Search<'_, '_> {
+    fn gap(&self, id: Id) -> f64 {
+        let node = self.tree.node(id);
+        norm(&sub(&node.mid, &self.end.point)) * (1.0 - ROUNDING) - node.rad * (1.0 + ROUNDING) - 8.0 * ROUNDING
+    }
+
+    fn give_up(&mut self, id: Id) {
+        self.broken = true;
+        self.radius = self.radius.min((0.5 * self.gap(id) * (1.0 - ROUNDING)).max(0.0));
+    }
+
+    fn closed(&mut self, id: Id) -> bool {
+        let node = self.tree.node(id);
+        if !self.broken {
+            let reach = self.reach.map_or(node.cone, |cone| cone.with(&node.cone));
+            if reach.within_45_degrees() {
+                self.reach = Some(reach);
+                return true;
+            }
+        }
+        if self.gap(id) > 2.0 * self.radius {
+            self.broken = true;
+            return true;
+        }
+        let Some(cell) = &node.cell else { return false };
+        if cell.p.is_empty() {
+            return false;
+        }
+        let h = (-f64::from(cell.depth)).exp2();
+        let (segment, from) = (cell.segment, cell.index as f64 * h);
+        let spread = node.rad / self.gap(id).max(1e-300);
+        self.climb(segment, from, h);
+        let node = self.tree.node(id);
+        let Some(cell) = &node.cell else { return false };
+        let share = self.share(segment, from, h);
+        let against = against(cell, &self.end);
+        let rules = [against.far(self.radius), against.apart(self.radius, share)];
+        if rules.contains(&Some(true)) || (rules.contains(&None) && self.closed_exactly(cell, share)) {
+            self.broken = true;
+            return true;
+        }
+        if spread < 1e-3 * self.margin || (node.rad <= 8.0 * cell.p_err && self.gap(id) > 0.0) {
+            self.give_up(id);
+            return true;
+        }
+        false
+    }
+
+    fn closed_exactly(&self, cell: &Cell, share: f64) -> bool {
+        let exact = exact_against(self.tree.frame, cell, &self.end);
+        fn rules<T: Scalar>(x: &Against<T>, r: f64, share: f64) -> Option<bool> {
+            match (x.far(r), x.apart(r, share)) {
+                (Some(true), _) | (_, Some(true)) => Some(true),
+                (Some(false), Some(false)) => Some(false),
+                _ => None,
+            }
+        }
+        let near = Against {
+            q: exact.q.each_ref().map(Interval::cast),
+            w: Interval::cast(&exact.w),
+            a: exact.a.each_ref().map(Interval::cast),
+            d: exact.d.each_ref().map(Interval::cast),
+        };
+        rules(&near, self.radius, share).unwrap_or_else(|| rules(&exact, self.radius, share) == Some(true))
+    }
+
+    fn terms(&self, segment: usize, t: f64) -> Terms {
+        let [c, c1, _] = self.tree.evaluate(segment, t);
+        let unit = |v: &V3| {
+            let l = norm(v);
+            v.map(|x| x / l)
+        };
+        let (a, d, q) = (unit(&c1), unit(&self.end.tangent), sub(&c, &self.end.point));
+        let u = cross(&d, &a);
+        let sq = |x: f64| x * x;
+        Terms { e: sq(dot(&a, &q)), t: sq(dot(&d, &q)), x: sq(dot(&u, &q)), u: dot(&u, &u) }
+    }
+
+    /// The share that leaves the most at the ends and the middle of the cell.
+    fn share(&self, segment: usize, from: f64, h: f64) -> f64 {
+        let samples = [0.0, 0.5, 1.0].map(|x| self.terms(segment, from + x * h));
+        let r_sq = self.radius * self.radius;
+        let worst = |k: f64| -samples.iter().map(|s| s.at(k) - r_sq * s.u).fold(f64::INFINITY, f64::min);
+        let (share, _) = golden(worst, 0.5, 0.5);
+        (share * 2f64.powi(30)).round() * 2f64.powi(-30)
+    }
+
+    /// Looks for a contact in the cell: rho at its ends and middle, then golden section.
+    fn climb(&mut self, segment: usize, from: f64, h: f64) {
+        let rho = |t: f64| {
+            // next to the end itself rho tends to 1/kappa: no contact
+            let own = segment == self.end.place.0 && (t - self.end.place.1).abs() < 1e-6;
+            if own { f64::INFINITY } else { self.terms(segment, t).rho_sq().sqrt() }
+        };
+        if [0.0, 0.5, 1.0].iter().all(|x| rho(from + x * h) >= self.radius) {
+            return;
+        }
+        let (t, radius) = golden(rho, from + 0.5 * h, h);
+        if radius * (1.0 - self.margin) < self.radius {
+            self.radius = radius * (1.0 - self.margin);
+            self.contact = Some(Contact { finish: self.end.finish, t: (segment, t), radius });
+        }
+    }
+}
+
+fn against(cell: &Cell, end: &End) -> Against<f64> {
+    let weight = |i: usize| cell.w.get(i).copied().unwrap_or(1.0);
+    let heaviest = cell.w.iter().copied().fold(if cell.w.is_empty() { 1.0 } else { 0.0 }, f64::max);
+    let q = std::array::from_fn(|k| {
+        let strip: Vec<f64> = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * weight(i)).collect();
+        let size = cell.p.iter().map(|p| (p[k] - end.point[k]).abs()).fold(0.0f64, f64::max);
+        let rad = heaviest * (cell.p_err + 4.0 * UNIT * end.point[k].abs() + 4.0 * UNIT * size) + size * cell.w_err;
+        Form::from_strip(&strip, rad * (1.0 + 1e-9), 0)
+    });
+    let w = if cell.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&cell.w, cell.w_err, 0) };
+    let a = std::array::from_fn(|k| {
+        let strip: Vec<f64> = cell.a.iter().map(|a| a[k]).collect();
+        Form::from_strip(&strip, cell.a_err, 0)
+    });
+    let d =
+        end.tangent.map(|x| Form { ds: 0, dt: 0, exp: 0, c: vec![x], norm: Ball { mag: 1.0 + UNIT, rad: 2.0 * UNIT } });
+    Against { q, w, a, d }
+}
+
+fn exact_against(frame: &Frame, cell: &Cell, end: &End) -> Against<Int> {
+    let at = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -i64::from(cell.depth) };
+    let forms = frame.segments[cell.segment].arc(&at(cell.index), &at(cell.index + 1)).forms();
+    let constant = |x: &Int| Form { ds: 0, dt: 0, exp: 0, c: vec![x.clone()], norm: () };
+    let scale = constant(&end.exact_point[3]);
+    let q = std::array::from_fn(|k| forms.r[k].mul(&scale).sub(&forms.w.mul(&constant(&end.exact_point[k]))));
+    Against { q, w: forms.w.mul(&scale), a: forms.a, d: end.exact_tangent.each_ref().map(constant) }
+}

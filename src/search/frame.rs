@@ -1,0 +1,315 @@
+//! The spine moved and scaled exactly into the unit box, and exact arcs of it.
+//!
+//! x -> (x - origin) 2^scale is exact in integers, so a curve far from the origin or of extreme size meets the f64 tiers
+//! with the same relative precision as any other. Radii found here are scaled back by `Frame::length`.
+
+use crate::bernstein::{Form, Scalar, Vec3, cross};
+use crate::integer::{Int, exact_div, gcd};
+use crate::number::Rational;
+use crate::spine::{Bezier, Spine};
+use num_bigint::BigInt;
+use num_rational::Ratio;
+use num_traits::One;
+use std::cmp::Ordering;
+
+/// A dyadic rational m 2^e, exact: local parameters, witnesses and every value at them.
+#[derive(Debug, Clone)]
+pub(crate) struct Dyadic {
+    pub(crate) m: Int,
+    pub(crate) e: i64,
+}
+
+impl Dyadic {
+    pub(crate) const ZERO: Self = Self { m: Int::ZERO, e: 0 };
+    pub(crate) const ONE: Self = Self { m: Int::ONE, e: 0 };
+
+    pub(crate) fn from_f64(x: f64) -> Self {
+        let (m, e) = crate::integer::decompose(x);
+        Self { m: Int::from(m), e }
+    }
+
+    fn aligned(a: &Self, b: &Self) -> (Int, Int, i64) {
+        let e = a.e.min(b.e);
+        (&a.m << (a.e - e) as u64, &b.m << (b.e - e) as u64, e)
+    }
+
+    pub(crate) fn add(&self, other: &Self) -> Self {
+        let (a, b, e) = Self::aligned(self, other);
+        Self { m: &a + &b, e }
+    }
+
+    pub(crate) fn sub(&self, other: &Self) -> Self {
+        let (a, b, e) = Self::aligned(self, other);
+        Self { m: &a - &b, e }
+    }
+
+    pub(crate) fn mul(&self, other: &Self) -> Self {
+        Self { m: &self.m * &other.m, e: self.e + other.e }
+    }
+
+    pub(crate) fn sqr(&self) -> Self {
+        self.mul(self)
+    }
+
+    pub(crate) fn cmp(&self, other: &Self) -> Ordering {
+        let (a, b, _) = Self::aligned(self, other);
+        a.cmp(&b)
+    }
+
+    pub(crate) fn rational(&self) -> Rational {
+        Rational::from(self.m.big()) * power_of_two(self.e)
+    }
+}
+
+impl PartialEq for Dyadic {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+pub(crate) fn dot3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> Dyadic {
+    a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
+}
+
+pub(crate) fn cross3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].mul(&b[j]).sub(&a[j].mul(&b[i])))
+}
+
+/// A point of the spine: a segment and a local parameter in [0, 1].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct At {
+    pub(crate) segment: usize,
+    pub(crate) t: Dyadic,
+}
+
+/// The spine in the unit box.
+#[derive(Debug)]
+pub(crate) struct Frame {
+    pub(crate) segments: Vec<Bezier>,
+    pub(crate) closed: bool,
+    /// Parameter values of the joints, one more than segments.
+    pub(crate) knots: Vec<Rational>,
+    pub(crate) scale: i64,
+    pub(crate) origin: [Rational; 3],
+}
+
+impl Frame {
+    pub(crate) fn new(spine: &Spine) -> Self {
+        let beziers: Vec<&Bezier> = spine.segments.iter().map(|s| &s.bezier).collect();
+        let (origin, scale) = placement(&beziers);
+        let segments = beziers.iter().map(|b| moved(b, &origin, scale)).collect();
+        let mut knots: Vec<Rational> = spine.segments.iter().map(|s| s.from.clone()).collect();
+        knots.extend(spine.segments.last().map(|s| s.to.clone()));
+        // origin is in units of 2^-scale
+        let unit = power_of_two(-scale);
+        let origin = origin.map(|o| Rational::from(o.big()) * &unit);
+        Self { segments, closed: spine.closed, knots, scale, origin }
+    }
+
+    /// The parameter of a point, in the curve's own knots.
+    pub(crate) fn parameter(&self, at: &At) -> Rational {
+        let (a, b) = (&self.knots[at.segment], &self.knots[at.segment + 1]);
+        a + at.t.rational() * (b - a)
+    }
+
+    /// A length of the box in the curve's unit.
+    pub(crate) fn length(&self, x: &Rational) -> Rational {
+        x * power_of_two(-self.scale)
+    }
+
+    /// A point of the box in the curve's coordinates.
+    pub(crate) fn point(&self, x: &[Rational; 3]) -> [Rational; 3] {
+        std::array::from_fn(|k| self.length(&x[k]) + &self.origin[k])
+    }
+
+    /// Moves a point by a local step of its own segment; across joints the step is kept as a share of the next
+    /// segment. `None` beyond the ends of an open spine.
+    pub(crate) fn step(&self, at: &At, by: &Dyadic) -> Option<At> {
+        let t = at.t.add(by);
+        let n = self.segments.len();
+        if t.m.sign().is_lt() {
+            let segment = if at.segment > 0 { at.segment - 1 } else { self.closed.then_some(n - 1)? };
+            let t = t.add(&Dyadic::ONE);
+            return (!t.m.sign().is_lt()).then_some(At { segment, t });
+        }
+        if t.cmp(&Dyadic::ONE).is_gt() {
+            let segment = if at.segment + 1 < n { at.segment + 1 } else { self.closed.then_some(0)? };
+            let t = t.sub(&Dyadic::ONE);
+            return (!t.cmp(&Dyadic::ONE).is_gt()).then_some(At { segment, t });
+        }
+        Some(At { segment: at.segment, t })
+    }
+}
+
+pub(crate) fn power_of_two(e: i64) -> Rational {
+    if e >= 0 {
+        Rational::from(BigInt::one() << e as u64)
+    } else {
+        Ratio::new_raw(BigInt::one(), BigInt::one() << (-e) as u64)
+    }
+}
+
+/// An origin, in units of 2^-scale, and a scale such that the control points come to lie about the unit box.
+fn placement(beziers: &[&Bezier]) -> ([Int; 3], i64) {
+    // Integer coordinates at a resolution fine enough for any size: 40 bits below the largest spread.
+    let cartesian = |p: &[Int; 4], k: usize| Ratio::new(p[k].big(), p[3].big());
+    let points: Vec<[Int; 4]> =
+        beziers.iter().flat_map(|b| (0..=b.degree()).map(|i| b.point(i))).filter(|p| !p[3].is_zero()).collect();
+    let Some(first) = points.first() else { return ([Int::ZERO, Int::ZERO, Int::ZERO], 0) };
+    // floor(log2) of the largest |coordinate - first| and |coordinate|, by bit lengths: right up to two.
+    let log2 = |num: &Int, den: &Int| num.bits() as i64 - den.bits() as i64;
+    let (mut spread, mut size) = (i64::MIN, i64::MIN);
+    for p in &points {
+        for k in 0..3 {
+            let gap = &(&p[k] * &first[3]) - &(&first[k] * &p[3]);
+            if !gap.is_zero() {
+                spread = spread.max(log2(&gap, &(&p[3] * &first[3])));
+            }
+            if !p[k].is_zero() {
+                size = size.max(log2(&p[k], &p[3]));
+            }
+        }
+    }
+    if spread == i64::MIN {
+        return ([Int::ZERO, Int::ZERO, Int::ZERO], 0);
+    }
+    let scale = -spread;
+    if size <= spread + 2 {
+        return ([Int::ZERO, Int::ZERO, Int::ZERO], scale);
+    }
+    let unit = power_of_two(scale);
+    let origin = [0, 1, 2].map(|k| Int::from((cartesian(first, k) * &unit).round().to_integer()));
+    (origin, scale)
+}
+
+/// (X 2^scale - origin W, W), cleared of common factors.
+fn moved(b: &Bezier, origin: &[Int; 3], scale: i64) -> Bezier {
+    let (up_x, up_w) = (scale.max(0) as u64, (-scale).max(0) as u64);
+    let mut w: Vec<Int> = b.w.iter().map(|w| w << up_w).collect();
+    let mut x: [Vec<Int>; 3] = std::array::from_fn(|k| {
+        let shifted = |(i, x): (usize, &Int)| &(x << up_x) - &(&origin[k] * &(b.weight(i) << up_w));
+        b.x[k].iter().enumerate().map(shifted).collect()
+    });
+    let content = x.iter().flatten().chain(&w).fold(Int::ZERO, |g, c| gcd(&g, c));
+    for c in x.iter_mut().flatten().chain(&mut w) {
+        *c = exact_div(c, &content);
+    }
+    Bezier { x, w }
+}
+
+impl Bezier {
+    /// The arc over [from, to] of the local parameter, exactly.
+    pub(crate) fn arc(&self, from: &Dyadic, to: &Dyadic) -> Self {
+        // Over the common denominator 2^k: the blossom needs both ends as integers m and the complement 2^k - m.
+        let (from, to) = (from.sub(&Dyadic::ZERO), to.sub(&Dyadic::ZERO));
+        let (a, b, e) = Dyadic::aligned(&from, &to);
+        let k = (-e) as u64;
+        let one = &Int::ONE << k;
+        let n = self.degree();
+        let part = |c: &Vec<Int>| -> Vec<Int> {
+            if c.len() == 1 && n > 0 {
+                return vec![&c[0] << (n as u64 * k)];
+            }
+            // Left part to b, then right part from a: blossoms (a^{n-j}, b^j) by de Casteljau rows.
+            (0..=n)
+                .map(|j| {
+                    let mut row = c.clone();
+                    for level in 1..=n {
+                        let m = if level > n - j { &b } else { &a };
+                        let rest = &one - m;
+                        for i in 0..=n - level {
+                            row[i] = &(&row[i] * &rest) + &(&row[i + 1] * m);
+                        }
+                    }
+                    row.swap_remove(0)
+                })
+                .collect()
+        };
+        Self { x: [part(&self.x[0]), part(&self.x[1]), part(&self.x[2])], w: part(&self.w) }
+    }
+
+    /// Exact forms of the arc that the local parameter [0, 1] of `self` covers.
+    pub(crate) fn forms(&self) -> ExactForms {
+        let n = self.degree();
+        let r: Vec3<Int> = self.x.each_ref().map(|x| Form::from_bernstein(x));
+        let w = Form::from_bernstein(&self.w);
+        let constant = self.w.len() == 1;
+        let r1 = self.x.each_ref().map(|x| Form::from_bernstein(&differences(x)));
+        let a = if constant {
+            r1.each_ref().map(|d| d.mul(&w))
+        } else {
+            let w1 = Form::from_bernstein(&differences(&self.w));
+            std::array::from_fn(|k| r1[k].mul(&w).sub(&r[k].mul(&w1)).lowered())
+        };
+        debug_assert!(n > 0);
+        ExactForms { r, w, a }
+    }
+
+    /// b = w (r' x r'') - w' (r x r'') + w'' (r x r'), with C' x C'' = b / w^3.
+    pub(crate) fn binormal(&self) -> Vec3<Int> {
+        let zero = || std::array::from_fn(|_| Form::from_bernstein(&[Int::ZERO]));
+        if self.degree() < 2 {
+            return zero();
+        }
+        let form = |c: &Vec<Int>| Form::from_bernstein(c);
+        let first = self.x.each_ref().map(|x| differences(x));
+        let second = first.each_ref().map(|d| form(&differences(d)));
+        let first = first.each_ref().map(form);
+        let w = form(&self.w);
+        let leading = cross(&first, &second).map(|c| c.mul(&w));
+        if self.w.len() == 1 {
+            return leading.map(Form::lowered);
+        }
+        let r = self.x.each_ref().map(form);
+        let w1 = differences(&self.w);
+        let w2 = form(&differences(&w1));
+        let w1 = form(&w1);
+        let (middle, last) = (cross(&r, &second), cross(&r, &first));
+        std::array::from_fn(|k| {
+            leading[k].sub(&middle[k].mul(&w1)).add(&last[k].mul(&w2)).lowered().lowered().lowered()
+        })
+    }
+}
+
+/// Bernstein coefficients of the derivative.
+fn differences(c: &[Int]) -> Vec<Int> {
+    let n = Int::from((c.len() - 1) as i64);
+    c.windows(2).map(|p| &(&p[1] - &p[0]) * &n).collect()
+}
+
+impl Form<Int> {
+    /// The value of a univariate form at a dyadic t in [0, 1].
+    pub(crate) fn at(&self, t: &Dyadic) -> Dyadic {
+        let t = t.add(&Dyadic::ZERO);
+        let k = -t.e;
+        let rest = &(&Int::ONE << k as u64) - &t.m;
+        // sum of c[j] rest^(d-j) m^j, by Horner from the top, the powers of `rest` alongside
+        let mut sum = Int::ZERO;
+        let mut power = Int::ONE;
+        for c in self.c.iter().rev() {
+            sum = &(&sum * &t.m) + &(c * &power);
+            power = &power * &rest;
+        }
+        Dyadic { m: sum, e: self.exp - k * (self.c.len() as i64 - 1) }
+    }
+}
+
+/// Numerator r, denominator w and hodograph a of an arc.
+pub(crate) struct ExactForms {
+    pub(crate) r: Vec3<Int>,
+    pub(crate) w: Form<Int>,
+    pub(crate) a: Vec3<Int>,
+}
+
+/// The same in any arithmetic.
+pub(crate) struct ArcForms<T: Scalar> {
+    pub(crate) r: Vec3<T>,
+    pub(crate) w: Form<T>,
+    pub(crate) a: Vec3<T>,
+}
+
+impl ExactForms {
+    pub(crate) fn cast<T: Scalar>(&self) -> ArcForms<T> {
+        ArcForms { r: self.r.each_ref().map(T::cast), w: T::cast(&self.w), a: self.a.each_ref().map(T::cast) }
+    }
+}

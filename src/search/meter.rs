@@ -1,0 +1,36 @@
+//! How much work a search may do. Running out never changes an answer, it only leaves it wider.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+pub(crate) type Progress = Arc<dyn Fn(u64) + Send + Sync>;
+
+pub(crate) struct Meter {
+    pub(crate) cells: u64,
+    pub(crate) max_cells: u64,
+    pub(crate) deadline: Option<Instant>,
+    pub(crate) cancel: Option<Arc<AtomicBool>>,
+    pub(crate) progress: Option<Progress>,
+    pub(crate) stopped: bool,
+}
+
+impl Meter {
+    /// Counts one cell; false when the work must stop.
+    pub(crate) fn tick(&mut self) -> bool {
+        if self.stopped || self.cells >= self.max_cells {
+            self.stopped = true;
+            return false;
+        }
+        self.cells += 1;
+        if self.cells % 1024 == 0 {
+            let late = self.deadline.is_some_and(|d| Instant::now() >= d);
+            let cancelled = self.cancel.as_ref().is_some_and(|c| c.load(Ordering::Relaxed));
+            self.stopped = late || cancelled;
+            if let Some(report) = &self.progress {
+                report(self.cells);
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,421 @@
+//! The hierarchy of arcs: blocks of spans above, dyadic cells of one span below, each with a ball round the arc and a
+//! cone round its tangents. All f64, every bound with its rounding (docs/rounding.md). Nodes are made when first asked for.
+
+use super::frame::{Dyadic, Frame};
+use crate::bernstein::UNIT;
+use crate::integer::Int;
+
+pub(crate) type V3 = [f64; 3];
+
+pub(crate) fn sub(a: &V3, b: &V3) -> V3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(crate) fn dot(a: &V3, b: &V3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: &V3, b: &V3) -> V3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn norm(a: &V3) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Covers a dozen rounded operations on numbers whose size is put in front of it.
+pub(crate) const ROUNDING: f64 = 16.0 * UNIT;
+/// The deepest dyadic cell. A cell that is still open there is reported as undecided.
+pub(crate) const MAX_DEPTH: u32 = 110;
+
+/// A place on the spine: joint-exact, comparable. `fraction` is in units of 2^-MAX_DEPTH.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Place {
+    segment: usize,
+    fraction: u128,
+}
+
+pub(crate) type Id = u32;
+
+#[derive(Debug)]
+pub(crate) struct Node {
+    pub(crate) start: Place,
+    pub(crate) end: Place,
+    /// The arc lies in the ball of this centre and radius (infinite if nothing is known).
+    pub(crate) mid: V3,
+    pub(crate) rad: f64,
+    /// Holds every tangent of the arc.
+    pub(crate) cone: Cone,
+    pub(crate) cell: Option<Box<Cell>>,
+    blocks: Option<(Id, Id)>,
+    halves: Option<(Id, Id)>,
+}
+
+/// A circular cone: every vector in it makes an angle with `axis` whose cosine is at least `cos`; -1 if nothing is
+/// known. The axis is a unit vector up to rounding.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cone {
+    pub(crate) axis: V3,
+    pub(crate) cos: f64,
+}
+
+/// A dyadic cell of one span: control data in f64, each entry off by at most the radius beside it.
+#[derive(Debug)]
+pub(crate) struct Cell {
+    pub(crate) segment: usize,
+    pub(crate) depth: u32,
+    pub(crate) index: u128,
+    /// Premultiplied numerators; for a constant weight the points themselves.
+    pub(crate) r: Vec<V3>,
+    pub(crate) r_err: f64,
+    /// Empty for a constant weight, which then counts as 1.
+    pub(crate) w: Vec<f64>,
+    pub(crate) w_err: f64,
+    /// The hodograph of the whole span restricted to the cell, up to a positive factor.
+    pub(crate) a: Vec<V3>,
+    pub(crate) a_err: f64,
+    /// Cartesian control points, their hull holds the arc; empty while some weight is not surely positive.
+    pub(crate) p: Vec<V3>,
+    pub(crate) p_err: f64,
+}
+
+pub(crate) struct Tree<'a> {
+    pub(crate) frame: &'a Frame,
+    nodes: Vec<Node>,
+    spans: Vec<Id>,
+}
+
+impl<'a> Tree<'a> {
+    pub(crate) fn new(frame: &'a Frame) -> Self {
+        let mut tree = Self { frame, nodes: vec![], spans: vec![] };
+        for segment in 0..frame.segments.len() {
+            let id = tree.push_cell(span_cell(frame, segment));
+            tree.spans.push(id);
+        }
+        let spans = tree.spans.clone();
+        tree.block(&spans);
+        tree
+    }
+
+    /// The whole spine: of the 2n - 1 nodes made first, the last.
+    pub(crate) fn root(&self) -> Id {
+        (2 * self.spans.len() - 2) as Id
+    }
+
+    pub(crate) fn node(&self, id: Id) -> &Node {
+        &self.nodes[id as usize]
+    }
+
+    /// The whole span, as a cell.
+    pub(crate) fn span(&self, segment: usize) -> &Cell {
+        self.nodes[self.spans[segment] as usize].cell.as_ref().expect("spans are cells")
+    }
+
+    fn block(&mut self, spans: &[Id]) -> Id {
+        if let [one] = spans {
+            return *one;
+        }
+        let (left, right) = spans.split_at(spans.len() / 2);
+        let (left, right) = (self.block(left), self.block(right));
+        let (a, b) = (self.node(left), self.node(right));
+        let mid: V3 = std::array::from_fn(|k| 0.5 * (a.mid[k] + b.mid[k]));
+        let reach = |n: &Node| norm(&sub(&mid, &n.mid)) * (1.0 + ROUNDING) + n.rad;
+        let rad = reach(a).max(reach(b)) * (1.0 + ROUNDING);
+        let cone = a.cone.with(&b.cone);
+        let node =
+            Node { start: a.start, end: b.end, mid, rad, cone, cell: None, blocks: Some((left, right)), halves: None };
+        self.nodes.push(node);
+        (self.nodes.len() - 1) as Id
+    }
+
+    /// Both halves, in order; `None` at the depth limit.
+    pub(crate) fn children(&mut self, id: Id) -> Option<(Id, Id)> {
+        let node = self.node(id);
+        if let Some(pair) = node.blocks.or(node.halves) {
+            return Some(pair);
+        }
+        let cell = node.cell.as_ref()?;
+        if cell.depth >= MAX_DEPTH {
+            return None;
+        }
+        let (left, right) = cell.halves();
+        let (left, right) = (self.push_cell(left), self.push_cell(right));
+        self.nodes[id as usize].halves = Some((left, right));
+        Some((left, right))
+    }
+
+    fn push_cell(&mut self, mut cell: Cell) -> Id {
+        cell.refresh(self.frame);
+        let (mid, rad) = cell.ball();
+        let cone = cell.cone();
+        let unit = 1u128 << (MAX_DEPTH - cell.depth);
+        let place = |index: u128| {
+            let fraction = index * unit;
+            if fraction >> MAX_DEPTH == 1 {
+                Place { segment: cell.segment + 1, fraction: 0 }
+            } else {
+                Place { segment: cell.segment, fraction }
+            }
+        };
+        let (start, end) = (place(cell.index), place(cell.index + 1));
+        self.nodes.push(Node { start, end, mid, rad, cone, cell: Some(Box::new(cell)), blocks: None, halves: None });
+        (self.nodes.len() - 1) as Id
+    }
+
+    /// Do the two arcs share an end point of the parameter domain (the closure counts)?
+    pub(crate) fn touching(&self, a: Id, b: Id) -> bool {
+        let (a, b) = (self.node(a), self.node(b));
+        let first = Place { segment: 0, fraction: 0 };
+        let last = Place { segment: self.spans.len(), fraction: 0 };
+        let wraps = |x: &Node, y: &Node| self.frame.closed && x.end == last && y.start == first;
+        a.end == b.start || b.end == a.start || wraps(a, b) || wraps(b, a)
+    }
+
+    /// Are all tangents of both arcs within 45 degrees of one vector? With touching arcs this closes all their pairs by
+    /// Lemma L.
+    pub(crate) fn within_45_degrees(&self, a: Id, b: Id) -> bool {
+        self.node(a).cone.with(&self.node(b).cone).within_45_degrees()
+    }
+
+    /// Point, first and second derivative with respect to the span's parameter: plain f64, no bound (search only).
+    pub(crate) fn evaluate(&self, segment: usize, t: f64) -> [V3; 3] {
+        let cell = self.span(segment);
+        let [r, r1, r2] = derivatives(&cell.r, t);
+        if cell.w.is_empty() {
+            return [r, r1, r2];
+        }
+        let [w, w1, w2] = derivatives(&cell.w.iter().map(|w| [*w, 0.0, 0.0]).collect::<Vec<_>>(), t).map(|v| v[0]);
+        let c = r.map(|x| x / w);
+        let c1: V3 = std::array::from_fn(|k| (r1[k] - w1 * c[k]) / w);
+        let c2 = std::array::from_fn(|k| (r2[k] - 2.0 * w1 * c1[k] - w2 * c[k]) / w);
+        [c, c1, c2]
+    }
+}
+
+/// Value and two derivatives by de Casteljau.
+fn derivatives(c: &[V3], t: f64) -> [V3; 3] {
+    let n = c.len() - 1;
+    let mut row = c.to_vec();
+    let mut second = [0.0; 3];
+    let mut first = [0.0; 3];
+    for level in 0..=n {
+        let m = n - level;
+        if m == 2 {
+            second = std::array::from_fn(|k| (n * (n - 1)) as f64 * (row[2][k] - 2.0 * row[1][k] + row[0][k]));
+        }
+        if m == 1 {
+            first = std::array::from_fn(|k| n as f64 * (row[1][k] - row[0][k]));
+        }
+        for i in 0..m {
+            row[i] = std::array::from_fn(|k| row[i][k] + t * (row[i + 1][k] - row[i][k]));
+        }
+    }
+    [row[0], first, second]
+}
+
+impl Cone {
+    pub(crate) const UNKNOWN: Self = Self { axis: [1.0, 0.0, 0.0], cos: -1.0 };
+
+    /// A cone round both, about their bisector.
+    pub(crate) fn with(&self, other: &Self) -> Self {
+        let sum: V3 = std::array::from_fn(|k| self.axis[k] + other.axis[k]);
+        let length = norm(&sum);
+        let axis = sum.map(|x| x / length);
+        let cos = self.about(&axis).min(other.about(&axis));
+        if cos > 0.0 && length > 0.1 { Self { axis, cos } } else { Self::UNKNOWN }
+    }
+
+    pub(crate) fn within_45_degrees(&self) -> bool {
+        self.cos > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING
+    }
+
+    /// The sine of the half angle, from above.
+    pub(crate) fn sin(&self) -> f64 {
+        (1.0 - self.cos * self.cos).max(0.0).sqrt() + SINE_SLACK
+    }
+
+    /// Lower bound for the cosine of the angle between another axis and any vector of the cone.
+    fn about(&self, axis: &V3) -> f64 {
+        let between = dot(axis, &self.axis).min(1.0);
+        if self.cos <= 0.0 || between <= 0.0 {
+            return -1.0;
+        }
+        // the cosine of a sum of two angles below 90 degrees
+        between * self.cos - ((1.0 - between * between).sqrt() + SINE_SLACK) * self.sin() - ROUNDING
+    }
+}
+
+/// sqrt(2 ROUNDING) rounded up: what sqrt(1 - c^2) may lose when c is off by a few units in the last place.
+pub(crate) const SINE_SLACK: f64 = 6.0e-8;
+
+fn span_cell(frame: &Frame, segment: usize) -> Cell {
+    let mut cell = Cell {
+        segment,
+        depth: 0,
+        index: 0,
+        r: vec![],
+        r_err: 0.0,
+        w: vec![],
+        w_err: 0.0,
+        a: vec![],
+        a_err: 0.0,
+        p: vec![],
+        p_err: 0.0,
+    };
+    cell.from_exact(frame);
+    cell
+}
+
+impl Cell {
+    /// Fills r, w and a from the exact arc: every entry within UNIT of the largest of its kind.
+    fn from_exact(&mut self, frame: &Frame) {
+        let whole = &frame.segments[self.segment];
+        let k = i64::from(self.depth);
+        let arc;
+        let bezier = if self.depth == 0 {
+            whole
+        } else {
+            let end = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -k };
+            arc = whole.arc(&end(self.index), &end(self.index + 1));
+            &arc
+        };
+        let drop = bezier.w.iter().map(|x| x.bits() as i64).max().unwrap_or(0);
+        let n = bezier.degree();
+        let f = |x: &Int| x.to_f64_shifted(drop);
+        self.r = (0..=n).map(|i| [0, 1, 2].map(|k| f(&bezier.x[k][i]))).collect();
+        self.w_err = 0.0;
+        if bezier.w.len() == 1 {
+            let w = f(&bezier.w[0]);
+            for p in &mut self.r {
+                *p = p.map(|x| x / w);
+            }
+        } else {
+            self.w = bezier.w.iter().map(f).collect();
+            self.w_err = UNIT * 2.0;
+        }
+        let largest = |v: &[V3]| v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        self.r_err = 4.0 * UNIT * largest(&self.r);
+        let forms = bezier.forms();
+        let drop = forms.a.iter().flat_map(|f| &f.c).map(|x| x.bits() as i64).max().unwrap_or(0);
+        let binomials = crate::bernstein::binomials(forms.a[0].ds);
+        self.a = (0..=forms.a[0].ds)
+            .map(|i| [0, 1, 2].map(|k| forms.a[k].c[i].to_f64_shifted(drop) / binomials[i]))
+            .collect();
+        self.a_err = (4.0 * UNIT + crate::bernstein::binomial_error(forms.a[0].ds)) * largest(&self.a);
+    }
+
+    fn halves(&self) -> (Self, Self) {
+        let split = |c: &[V3]| {
+            let n = c.len() - 1;
+            let mut row = c.to_vec();
+            let (mut left, mut right) = (vec![[0.0; 3]; n + 1], vec![[0.0; 3]; n + 1]);
+            for level in 0..=n {
+                left[level] = row[0];
+                right[n - level] = row[n - level];
+                for i in 0..n - level {
+                    row[i] = std::array::from_fn(|k| 0.5 * (row[i][k] + row[i + 1][k]));
+                }
+            }
+            (left, right)
+        };
+        let split1 = |c: &[f64]| {
+            let Some(n) = c.len().checked_sub(1) else { return (vec![], vec![]) };
+            let mut row = c.to_vec();
+            let (mut left, mut right) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+            for level in 0..=n {
+                left[level] = row[0];
+                right[n - level] = row[n - level];
+                for i in 0..n - level {
+                    row[i] = 0.5 * (row[i] + row[i + 1]);
+                }
+            }
+            (left, right)
+        };
+        // each level rounds one sum, and averages do not amplify: degree * UNIT * max per split
+        let grown = |err: f64, max: f64, n: usize| (err + (n as f64 * UNIT) * max) * (1.0 + 1e-9) + 1e-290;
+        let largest = |v: &[V3]| v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let (r0, r1) = split(&self.r);
+        let (a0, a1) = split(&self.a);
+        let (w0, w1) = split1(&self.w);
+        let w_max = self.w.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let r_err = grown(self.r_err, largest(&self.r), self.r.len());
+        let w_err = if self.w.is_empty() { 0.0 } else { grown(self.w_err, w_max, self.w.len()) };
+        let a_err = grown(self.a_err, largest(&self.a), self.a.len());
+        let make = |index: u128, r, w, a| Self {
+            segment: self.segment,
+            depth: self.depth + 1,
+            index,
+            r,
+            r_err,
+            w,
+            w_err,
+            a,
+            a_err,
+            p: vec![],
+            p_err: 0.0,
+        };
+        (make(2 * self.index, r0, w0, a0), make(2 * self.index + 1, r1, w1, a1))
+    }
+
+    /// Computes the Cartesian points; where rounding has eaten the hodograph or a weight, starts again from the exact
+    /// arc.
+    fn refresh(&mut self, frame: &Frame) {
+        let shortest = self.a.iter().map(norm).fold(f64::INFINITY, f64::min);
+        let lightest = self.w.iter().copied().fold(f64::INFINITY, f64::min);
+        // the hodograph of a cell is to keep at least 20 bits, a positive weight too
+        let worn = self.a_err * 1e6 > shortest || (lightest > 0.0 && self.w_err * 1e6 > lightest);
+        if worn && self.depth > 0 && self.depth % 4 == 0 {
+            self.from_exact(frame);
+        }
+        if self.w.is_empty() {
+            self.p.clone_from(&self.r);
+            self.p_err = self.r_err;
+            return;
+        }
+        self.p.clear();
+        self.p_err = 0.0;
+        if self.w.iter().any(|w| *w <= 2.0 * self.w_err) {
+            return;
+        }
+        for (r, w) in self.r.iter().zip(&self.w) {
+            let p = r.map(|x| x / w);
+            let size = p.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            let err = (self.r_err + size * self.w_err) / (w - self.w_err) + 2.0 * UNIT * size;
+            self.p_err = self.p_err.max(err * (1.0 + 1e-9) + 1e-290);
+            self.p.push(p);
+        }
+    }
+
+    /// A ball that holds the arc. Coordinates are off by p_err each, so points by less than 2 p_err.
+    fn ball(&self) -> (V3, f64) {
+        let (Some(first), Some(last)) = (self.p.first(), self.p.last()) else { return ([0.0; 3], f64::INFINITY) };
+        let mid: V3 = std::array::from_fn(|k| 0.5 * (first[k] + last[k]));
+        let far = self.p.iter().map(|p| norm(&sub(p, &mid))).fold(0.0f64, f64::max);
+        let size = norm(&mid) + far;
+        (mid, (far + 2.0 * self.p_err) * (1.0 + ROUNDING) + ROUNDING * UNIT * size)
+    }
+
+    /// A cone round the control vectors of the hodograph, hence round all tangents.
+    fn cone(&self) -> Cone {
+        let unknown = Cone::UNKNOWN;
+        let unit = |a: &V3| {
+            let length = norm(a);
+            a.map(|x| x / length)
+        };
+        let (first, last) = (unit(&self.a[0]), unit(&self.a[self.a.len() - 1]));
+        let axis = unit(&std::array::from_fn(|k| first[k] + last[k]));
+        if !axis.iter().all(|x| x.is_finite()) {
+            return unknown;
+        }
+        let mut cos = 1.0f64;
+        for a in &self.a {
+            let length = norm(a);
+            if length <= 4.0 * self.a_err {
+                return unknown;
+            }
+            // a vector off by e turns by an angle of sine e / length at most
+            cos = cos.min(dot(a, &axis) / length - 2.0 * self.a_err / length - ROUNDING);
+        }
+        if cos > 0.0 { Cone { axis, cos } } else { unknown }
+    }
+}
