@@ -4,8 +4,8 @@ use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, f64_above, f64_below, rational_from_f64, same};
 use crate::search::body::{self, Candidate};
 use crate::search::curvature;
-use crate::search::ends::{self, Contact};
-use crate::search::frame::{At, Frame};
+use crate::search::ends::{self, Contact, Of};
+use crate::search::frame::{At, Dyadic, Frame};
 use crate::search::meter::{Meter, Progress};
 use crate::search::tree::Tree;
 use crate::search::witness::{Exact, Witness};
@@ -32,7 +32,7 @@ impl Enclosure {
     /// `hi - lo <= w hi`, or `lo = hi`.
     #[must_use]
     pub fn is_within(&self, w: f64) -> bool {
-        self.lo == self.hi || self.hi - self.lo <= w * self.hi
+        self.lo == self.hi || (self.hi.is_finite() && self.hi - self.lo <= w * self.hi)
     }
 
     /// Do the two enclosures share a number?
@@ -313,6 +313,10 @@ fn touching(spine: &Spine, limited_by: LimitedBy, at: Location) -> Radius {
     }
 }
 
+fn delta_above(best: Option<&Upper>) -> f64 {
+    best.map_or(f64::INFINITY, |u| u.witness.radius)
+}
+
 struct Job<'a> {
     frame: &'a Frame,
     options: &'a RadiusOptions,
@@ -322,6 +326,9 @@ struct Job<'a> {
     /// The share below a candidate at which the lower bound is tried.
     margin: f64,
 }
+
+/// Above half of every distance in the unit box.
+const BEYOND: f64 = 64.0;
 
 /// An upper bound found for delta, in the unit box.
 #[derive(Debug, Clone)]
@@ -347,18 +354,17 @@ impl<'a> Job<'a> {
 
     fn run(mut self, spine: &Spine) -> Radius {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
-        let body = body::body_to_body(&mut self.tree, bend, self.margin, &mut self.meter);
-        if let Some(pair) = body.candidate.filter(|_| body.radius < 1e-12) {
-            if let Some(witness) = self.exact.self_contact(&pair) {
-                return touching(spine, LimitedBy::SelfContact, self.location(&witness, None));
-            }
+        let body = body::body_to_body(&mut self.tree, bend.min(BEYOND), self.margin, &mut self.meter);
+        let contact = body.candidate.filter(|_| body.radius < 1e-12);
+        if let Some(witness) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
+            return touching(spine, LimitedBy::SelfContact, self.location(&witness, None));
         }
-        let mut radius = body.radius;
+        let mut radius = bend.min(body.radius);
         let mut contacts: Vec<Contact> = vec![];
         if !self.frame.closed {
             for finish in [false, true] {
-                let (proved, contact) = ends::end_to_body(&mut self.tree, finish, radius, self.margin, &mut self.meter);
-                radius = proved;
+                let (proved, contact) = self.end_to_body(finish, Of::Disks, radius);
+                radius = radius.min(proved);
                 contacts.extend(contact);
             }
         }
@@ -368,8 +374,7 @@ impl<'a> Job<'a> {
         for contact in contacts.iter().filter(|c| c.radius < ceiling) {
             let witness = self.exact.disks(contact).into_iter().chain(self.exact.end_valley(contact));
             let Some(witness) = witness.min_by(|a, b| a.radius.total_cmp(&b.radius)) else { continue };
-            let other = self.exact.end(!contact.finish);
-            let term = if witness.t == other { LimitedBy::EndToEnd } else { LimitedBy::EndToBody };
+            let term = self.term(contact);
             let end = Some(if contact.finish { SpineEnd::Finish } else { SpineEnd::Start });
             uppers.push(Upper { term, witness, end });
         }
@@ -379,45 +384,118 @@ impl<'a> Job<'a> {
         }
         uppers.extend(curved.map(|witness| Upper { term: LimitedBy::Curvature, witness, end: None }));
         let best = uppers.iter().min_by(|a, b| a.witness.radius.total_cmp(&b.witness.radius));
+        let delta = self.enclosure(radius, best.map_or(f64::INFINITY, |u| u.witness.radius));
 
-        let hi = |term: LimitedBy| {
-            uppers.iter().filter(|u| u.term == term).map(|u| u.witness.radius).fold(f64::INFINITY, f64::min)
-        };
-        let none = Enclosure::INFINITE;
-        let ends = |term| if self.frame.closed { none } else { self.enclosure(radius, hi(term)) };
         let mut terms = Terms {
             curvature: self.enclosure(bend, ceiling),
             body_to_body: self.enclosure(body.radius, f64::INFINITY),
-            end_to_body: ends(LimitedBy::EndToBody),
-            end_to_end: ends(LimitedBy::EndToEnd),
+            end_to_body: Enclosure::INFINITE,
+            end_to_end: Enclosure::INFINITE,
         };
-        let delta = self.enclosure(radius, best.map_or(f64::INFINITY, |u| u.witness.radius));
-        if let Some(pair) = body.candidate {
+        if !self.frame.closed {
+            // below 1/kappa_max no contact of disks is local
+            let hi = |term| {
+                let of_term = uppers.iter().filter(|u| u.term == term && u.witness.radius < bend);
+                of_term.map(|u| u.witness.radius).fold(f64::INFINITY, f64::min)
+            };
+            terms.end_to_body = self.enclosure(radius, hi(LimitedBy::EndToBody));
+            terms.end_to_end = self.enclosure(radius, hi(LimitedBy::EndToEnd));
+        }
+        let width = self.options.rel_width;
+        let narrow = delta.is_within(width);
+        let mut complete = narrow;
+        let mut rim = None;
+        if self.options.all_terms {
+            complete &= self.all_terms(&mut terms, &mut rim);
+        } else if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= delta_above(best)) {
             terms.body_to_body.hi = self.body_above(&pair, best);
         }
-        let narrow = delta.is_within(self.options.rel_width);
         let limited_by = best.filter(|_| narrow).map_or(LimitedBy::Undecided, |u| u.term);
-        let also = [
+        let all = [
             (LimitedBy::Curvature, terms.curvature),
             (LimitedBy::BodyToBody, terms.body_to_body),
             (LimitedBy::EndToBody, terms.end_to_body),
             (LimitedBy::EndToEnd, terms.end_to_end),
         ];
-        let also = also
-            .into_iter()
-            .filter(|(term, e)| *term != limited_by && e.hi.is_finite() && e.meets(&delta))
-            .map(|(term, _)| term)
-            .collect();
+        let meeting = all.into_iter().filter(|(term, e)| *term != limited_by && e.hi.is_finite() && e.meets(&delta));
         Radius {
             delta,
             limited_by,
-            also,
+            also: meeting.map(|(term, _)| term).collect(),
             closed: self.frame.closed,
             at: best.map(|u| self.location(&u.witness, u.end)),
             terms,
-            rim: None,
-            complete: narrow,
+            rim,
+            complete,
             cells: self.meter.cells,
+        }
+    }
+
+    fn end_to_body(&mut self, finish: bool, of: Of, start: f64) -> (f64, Option<Contact>) {
+        ends::end_to_body(&mut self.tree, finish, of, start.min(1e150), self.margin, &mut self.meter)
+    }
+
+    /// Is the contact with the other end, or with the body?
+    fn term(&self, contact: &Contact) -> LimitedBy {
+        let other = self.exact.end(!contact.finish);
+        let same = contact.t.0 == other.segment && contact.t.1 == f64::from(u8::from(!contact.finish));
+        if same { LimitedBy::EndToEnd } else { LimitedBy::EndToBody }
+    }
+
+    /// Encloses every term by a search of its own, whatever binds; says whether all became as narrow as they can.
+    fn all_terms(&mut self, terms: &mut Terms, rim: &mut Option<Rim>) -> bool {
+        let width = self.options.rel_width;
+        let body = body::body_to_body(&mut self.tree, BEYOND, self.margin, &mut self.meter);
+        // no pair of the box is further apart than BEYOND
+        let none = body.candidate.is_none() && body.radius >= BEYOND;
+        let lo = if none { f64::INFINITY } else { body.radius };
+        let hi = body.candidate.map_or(f64::INFINITY, |pair| self.body_above(&pair, None));
+        terms.body_to_body = Enclosure { lo: self.enclosure(lo, lo).lo, hi: hi.min(terms.body_to_body.hi) };
+        let mut complete = terms.body_to_body.is_within(width);
+        if self.frame.closed {
+            return complete;
+        }
+        let (start, finish) = (self.exact.end(false), self.exact.end(true));
+        let ends_local = !self.exact.not_local(&start, &finish);
+        let mut both = |of: Of| {
+            let (mut lo, mut hi) = (f64::INFINITY, f64::INFINITY);
+            for side in [false, true] {
+                let (proved, contact) = self.end_to_body(side, of, lo.min(1e6));
+                if proved < lo {
+                    lo = proved;
+                    hi = contact.and_then(|c| self.contact_above(&c, of)).unwrap_or(f64::INFINITY);
+                    complete &= contact.is_some();
+                }
+            }
+            self.enclosure(lo, hi)
+        };
+        terms.end_to_body = both(Of::Disks);
+        let rim_body = both(Of::Rims);
+        let mut both_ends = |of: Of| {
+            let met = if ends_local { None } else { self.exact.meeting(&start, &finish, of) };
+            met.map_or(Enclosure::INFINITE, |(lo, hi)| self.enclosure(lo, hi))
+        };
+        terms.end_to_end = both_ends(Of::Disks);
+        let rim_ends = both_ends(Of::Rims);
+        let of_rims = [terms.curvature, terms.body_to_body, rim_body, rim_ends];
+        let least = |pick: fn(&Enclosure) -> f64| of_rims.iter().map(pick).fold(f64::INFINITY, f64::min);
+        let delta = Enclosure { lo: least(|e| e.lo), hi: least(|e| e.hi) };
+        *rim = Some(Rim { end_to_body: rim_body, end_to_end: rim_ends, delta });
+        complete
+    }
+
+    /// An upper bound for an end term: the contact is exact, and its pair is not local.
+    fn contact_above(&mut self, contact: &Contact, of: Of) -> Option<f64> {
+        let end = self.exact.end(contact.finish);
+        let at = At { segment: contact.t.0, t: Dyadic::from_f64(contact.t.1) };
+        if !self.exact.not_local(&end, &at) {
+            return None;
+        }
+        match of {
+            Of::Disks => self.exact.disks(contact).map(|w| w.radius),
+            Of::Rims => {
+                self.exact.planar_rims(contact).or_else(|| Some(self.exact.meeting(&end, &at, Of::Rims)?.1))
+            }
         }
     }
 
@@ -427,10 +505,13 @@ impl<'a> Job<'a> {
         if let Some(upper) = best.filter(|u| u.term == LimitedBy::BodyToBody && self.frame.closed) {
             return self.enclosure(0.0, upper.witness.radius).hi;
         }
-        let exact = if self.exact.exactly_critical(pair) { self.exact.exact_half_distance(pair) } else { None };
         let jacobian = body::jacobian(&self.tree, pair);
-        let above = exact.or_else(|| self.exact.critical_box(pair, jacobian)).unwrap_or(f64::INFINITY);
-        self.enclosure(0.0, above).hi
+        let above = self.exact.critical_box(pair, jacobian).or_else(|| {
+            let members = std::iter::once(*pair).chain(body::snapped(&self.tree, pair));
+            let exact = members.filter(|pair| self.exact.exactly_critical(pair)).collect::<Vec<_>>();
+            exact.iter().find_map(|pair| self.exact.exact_half_distance(pair))
+        });
+        self.enclosure(0.0, above.unwrap_or(f64::INFINITY)).hi
     }
 
     /// From the unit box to the curve's unit, outward.

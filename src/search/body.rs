@@ -235,22 +235,28 @@ fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> bool
         y = ArcForms { r: y.r.map(Form::transposed), w: y.w.transposed(), a: y.a.map(Form::transposed) };
         let d: Vec3<T> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
         let (ds, dt) = (form::dot(&d, &x.a), form::dot(&d, &y.a));
-        let mut sure = true;
         let plain = stretched(&d, &x.w.mul(&y.w), radius);
-        let rules: [&dyn Fn() -> Option<bool>; 4] =
-            [&|| ds.one_sign(), &|| dt.one_sign(), &|| plain.positive(), &|| {
-                plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive()
-            }];
-        for rule in rules {
-            match rule() {
-                Some(true) => return Some(true),
-                Some(false) => {}
-                None => sure = false,
-            }
-        }
-        sure.then_some(false)
+        first_true([
+            &|| ds.one_sign(),
+            &|| dt.one_sign(),
+            &|| plain.positive(),
+            &|| plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive(),
+        ])
     }
     run::<Interval>(x, y, radius, centre).unwrap_or_else(|| run::<Int>(x, y, radius, centre) == Some(true))
+}
+
+/// `Some(true)` if a rule says so; `Some(false)` if all surely fail; `None` if the arithmetic cannot tell.
+pub(crate) fn first_true<const N: usize>(rules: [&dyn Fn() -> Option<bool>; N]) -> Option<bool> {
+    let mut sure = true;
+    for rule in rules {
+        match rule() {
+            Some(true) => return Some(true),
+            Some(false) => {}
+            None => sure = false,
+        }
+    }
+    sure.then_some(false)
 }
 
 /// |D|^2 - (2r)^2 (w(s) w(t))^2.
@@ -351,6 +357,34 @@ fn tilted(q0: &V3, length: f64, spread: f64, node: &Node) -> bool {
     // |cos(angle of q0 and axis)| > sin(alpha + beta), with alpha + beta < 90 degrees as cos(alpha) > sin(beta)
     let cos_ball = (1.0 - sin_ball * sin_ball).max(0.0).sqrt() + SINE_SLACK;
     dot(q0, &node.cone.axis).abs() / length > node.cone.sin() * cos_ball.min(1.0) + sin_ball + 2.0 * ROUNDING
+}
+
+/// Members of a family of critical pairs (circles, parallel strands) with a simple s: t is solved for, q.C'(t) = 0.
+pub(crate) fn snapped<'t>(tree: &'t Tree, pair: &'t Candidate) -> impl Iterator<Item = Candidate> + 't {
+    let spans = tree.frame.segments.len();
+    [0.5, 0.0, 1.0, 0.25, 0.75].into_iter().filter_map(move |s| {
+        let at_s = tree.evaluate(pair.s.0, s);
+        let (mut segment, mut t) = pair.t;
+        for _ in 0..20 {
+            let at = tree.evaluate(segment, t);
+            let q = sub(&at_s[0], &at[0]);
+            let step = dot(&q, &at[1]) / (dot(&at[1], &at[1]) - dot(&q, &at[2]));
+            if step.abs() < 1e-13 {
+                let candidate = Candidate { s: (pair.s.0, s), t: (segment, t.clamp(0.0, 1.0)), radius: 0.5 * norm(&q) };
+                return Some(candidate);
+            }
+            t += step.clamp(-0.5, 0.5);
+            let wrap = tree.frame.closed;
+            if t > 1.0 + 1e-9 && (segment + 1 < spans || wrap) {
+                (segment, t) = ((segment + 1) % spans, 0.0);
+            } else if t < -1e-9 && (segment > 0 || wrap) {
+                (segment, t) = ((segment + spans - 1) % spans, 1.0);
+            } else if !(-1e-9..=1.0 + 1e-9).contains(&t) {
+                return None;
+            }
+        }
+        None
+    })
 }
 
 /// The derivative of (q.a(s), q.a(t)) at a candidate, up to a positive factor for each row.

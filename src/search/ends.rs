@@ -12,10 +12,12 @@ use super::body::FLOOR;
 use super::curvature::golden;
 use super::frame::{Dyadic, Frame};
 use super::meter::Meter;
-use super::tree::{Cell, Cone, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
+use super::body::first_true;
+use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
 use crate::enclosure::Interval;
 use crate::integer::Int;
+use crate::spine::Bezier;
 
 /// A numerical contact of an end disk with the disk at t.
 #[derive(Debug, Clone, Copy)]
@@ -26,17 +28,26 @@ pub(crate) struct Contact {
     pub(crate) radius: f64,
 }
 
-/// Proves that the disk of `radius` at one end misses all others, except those at points that are joined to the end by
-/// an arc with tangents within 45 degrees of one vector; shrinks the radius until that is so.
+/// What must not meet: the disks, or only their rims (the quantity of [M98]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Of {
+    Disks,
+    Rims,
+}
+
+/// Proves that the disk (or rim) of `radius` at one end misses all others, except those at points that make a local
+/// pair with the end; shrinks the radius until that is so. Infinite if every pair is local.
 pub(crate) fn end_to_body(
     tree: &mut Tree,
     finish: bool,
+    of: Of,
     start: f64,
     margin: f64,
     meter: &mut Meter,
 ) -> (f64, Option<Contact>) {
     let end = End::new(tree.frame, finish);
-    let mut search = Search { tree, end, margin, radius: start, contact: None, reach: None, broken: false };
+    let planar = of == Of::Rims && super::witness::plane(tree.frame).is_some();
+    let mut search = Search { tree, end, of, planar, margin, radius: start, contact: None, reach: vec![], broken: false };
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
         if search.radius < FLOOR {
@@ -53,7 +64,7 @@ pub(crate) fn end_to_body(
         // nearest to the end on top
         open.extend(if finish { [left, right] } else { [right, left] });
     }
-    (search.radius, search.contact)
+    (if search.broken { search.radius } else { f64::INFINITY }, search.contact)
 }
 
 /// The end in every arithmetic: homogeneous point and tangent vector.
@@ -95,6 +106,23 @@ impl<T: Scalar> Against<T> {
     /// |q|^2 - 4 r^2.
     fn far(&self, r: f64) -> Option<bool> {
         form::dot(&self.q, &self.q).sub(&self.w.clone().scale(2.0 * r).sqr()).positive()
+    }
+
+    /// Rims: the circles of radius r meet iff |M| = r |w det|, with M = (a.q)(q x d) + |q|^2/2 (d x a) and
+    /// det = d.(a x q), or both vanish; so |M|^2 - r^2 (w det)^2 > 0 keeps contacts above r.
+    fn rims_apart(&self, r: f64) -> Option<bool> {
+        let (aq, qq) = (form::dot(&self.a, &self.q), form::dot(&self.q, &self.q).scale(0.5));
+        let (qd, da) = (form::cross(&self.q, &self.d), form::cross(&self.d, &self.a));
+        let m: Vec3<T> = std::array::from_fn(|k| aq.mul(&qd[k]).add(&qq.mul(&da[k])));
+        let det = form::dot(&da, &self.q).mul(&self.w).scale(r);
+        form::dot(&m, &m).sub(&det.sqr()).positive()
+    }
+
+    /// Does any rule close the arc at radius r?
+    fn closed(&self, of: Of, r: f64, share: f64) -> Option<bool> {
+        let rims = || if of == Of::Rims { self.rims_apart(r) } else { Some(false) };
+        let rules: [&dyn Fn() -> Option<bool>; 3] = [&|| self.far(r), &|| self.apart(r, share), &rims];
+        first_true(rules)
     }
 
     /// The rule of the module for one share.
@@ -140,11 +168,14 @@ impl Terms {
 struct Search<'t, 'f> {
     tree: &'t mut Tree<'f>,
     end: End,
+    of: Of,
+    /// Rims of a planar spine, where the determinant vanishes identically.
+    planar: bool,
     margin: f64,
     radius: f64,
     contact: Option<Contact>,
-    /// The cone of the tangents from the end up to here, while everything so far was closed by Lemma L.
-    reach: Option<Cone>,
+    /// The arcs from the end up to here, while everything so far was closed as local.
+    reach: Vec<Id>,
     broken: bool,
 }
 
@@ -159,59 +190,67 @@ impl Search<'_, '_> {
         self.radius = self.radius.min((0.5 * self.gap(id) * (1.0 - ROUNDING)).max(0.0));
     }
 
-    fn closed(&mut self, id: Id) -> bool {
+    /// Are all pairs of points of an arc next to `reach` and of `reach` local: tangents pairwise within 90 degrees?
+    fn local(&self, id: Id) -> bool {
         let node = self.tree.node(id);
-        if !self.broken {
-            let reach = self.reach.map_or(node.cone, |cone| cone.with(&node.cone));
-            if reach.within_45_degrees() {
-                self.reach = Some(reach);
-                return true;
+        let mut open: Vec<Id> = self.reach.clone();
+        if !node.cone.within_45_degrees() {
+            return false;
+        }
+        while let Some(other) = open.pop() {
+            let part = self.tree.node(other);
+            if part.cone.within_90_degrees_of(&node.cone) {
+                continue;
             }
+            match self.tree.known_children(other) {
+                Some((left, right)) if part.rad > node.rad => open.extend([left, right]),
+                _ => return false,
+            }
+        }
+        true
+    }
+
+    fn closed(&mut self, id: Id) -> bool {
+        if !self.broken && self.local(id) {
+            self.reach.push(id);
+            return true;
         }
         if self.gap(id) > 2.0 * self.radius {
             self.broken = true;
             return true;
         }
-        let Some(cell) = &node.cell else { return false };
-        if cell.p.is_empty() {
-            return false;
-        }
+        let node = self.tree.node(id);
+        let Some(cell) = node.cell.as_ref().filter(|c| !c.p.is_empty()) else { return false };
         let h = (-f64::from(cell.depth)).exp2();
         let (segment, from) = (cell.segment, cell.index as f64 * h);
-        let spread = node.rad / self.gap(id).max(1e-300);
         self.climb(segment, from, h);
-        let node = self.tree.node(id);
+        let (node, gap) = (self.tree.node(id), self.gap(id));
         let Some(cell) = &node.cell else { return false };
         let share = self.share(segment, from, h);
-        let against = against(cell, &self.end);
-        let rules = [against.far(self.radius), against.apart(self.radius, share)];
-        if rules.contains(&Some(true)) || (rules.contains(&None) && self.closed_exactly(cell, share)) {
+        let closed = against(cell, &self.end).closed(self.of, self.radius, share);
+        if closed.unwrap_or_else(|| self.closed_exactly(cell, share)) {
             self.broken = true;
             return true;
         }
-        if spread < 1e-3 * self.margin || (node.rad <= 8.0 * cell.p_err && self.gap(id) > 0.0) {
+        // so small that splitting says nothing more about the distance
+        if gap > 0.0 && (node.rad < 1e-3 * self.margin * gap || node.rad <= 8.0 * cell.p_err) {
             self.give_up(id);
             return true;
         }
         false
     }
 
+    /// The same from the exact arc: intervals, then integers.
     fn closed_exactly(&self, cell: &Cell, share: f64) -> bool {
         let exact = exact_against(self.tree.frame, cell, &self.end);
-        fn rules<T: Scalar>(x: &Against<T>, r: f64, share: f64) -> Option<bool> {
-            match (x.far(r), x.apart(r, share)) {
-                (Some(true), _) | (_, Some(true)) => Some(true),
-                (Some(false), Some(false)) => Some(false),
-                _ => None,
-            }
-        }
         let near = Against {
             q: exact.q.each_ref().map(Interval::cast),
             w: Interval::cast(&exact.w),
             a: exact.a.each_ref().map(Interval::cast),
             d: exact.d.each_ref().map(Interval::cast),
         };
-        rules(&near, self.radius, share).unwrap_or_else(|| rules(&exact, self.radius, share) == Some(true))
+        let near = near.closed(self.of, self.radius, share);
+        near.unwrap_or_else(|| exact.closed(self.of, self.radius, share) == Some(true))
     }
 
     fn terms(&self, segment: usize, t: f64) -> Terms {
@@ -235,22 +274,61 @@ impl Search<'_, '_> {
         (share * 2f64.powi(30)).round() * 2f64.powi(-30)
     }
 
-    /// Looks for a contact in the cell: rho at its ends and middle, then golden section.
+    /// Looks for a contact in the cell: at its ends and middle, then golden section.
     fn climb(&mut self, segment: usize, from: f64, h: f64) {
-        let rho = |t: f64| {
+        let value = |t: f64| {
             // next to the end itself rho tends to 1/kappa: no contact
             let own = segment == self.end.place.0 && (t - self.end.place.1).abs() < 1e-6;
-            if own { f64::INFINITY } else { self.terms(segment, t).rho_sq().sqrt() }
+            match self.of {
+                _ if own => f64::INFINITY,
+                Of::Disks => self.terms(segment, t).rho_sq().sqrt(),
+                Of::Rims => self.rim(segment, t).0,
+            }
         };
-        if [0.0, 0.5, 1.0].iter().all(|x| rho(from + x * h) >= self.radius) {
-            return;
-        }
-        let (t, radius) = golden(rho, from + 0.5 * h, h);
+        let (t, radius) = if self.planar {
+            // the normals meet at equal distances where this changes sign
+            let gap = |t: f64| self.rim(segment, t).1;
+            let (mut lo, mut hi) = (from, from + h);
+            if gap(lo) * gap(hi) > 0.0 {
+                return;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (lo + hi);
+                if gap(lo) * gap(middle) <= 0.0 { hi = middle } else { lo = middle }
+            }
+            (lo, self.terms(segment, lo).rho_sq().sqrt())
+        } else {
+            if [0.0, 0.5, 1.0].iter().all(|x| value(from + x * h) >= self.radius) {
+                return;
+            }
+            golden(value, from + 0.5 * h, h)
+        };
         if radius * (1.0 - self.margin) < self.radius {
             self.radius = radius * (1.0 - self.margin);
             self.contact = Some(Contact { finish: self.end.finish, t: (segment, t), radius });
         }
     }
+
+    /// The radius at which the rims meet, and M along the largest coordinate of d x a (its sign, on planar spines).
+    fn rim(&self, segment: usize, t: f64) -> (f64, f64) {
+        let [c, c1, _] = self.tree.evaluate(segment, t);
+        let speed = norm(&c1);
+        let (a, d, q) = (c1.map(|x| x / speed), &self.end.tangent, sub(&c, &self.end.point));
+        let (qd, da) = (cross(&q, d), cross(d, &a));
+        let (aq, half) = (dot(&a, &q), 0.5 * dot(&q, &q));
+        let m: V3 = std::array::from_fn(|k| aq * qd[k] + half * da[k]);
+        let det = dot(&da, &q).abs();
+        let radius = if det > 1e-7 * norm(&q) * norm(&da) { norm(&m) / det } else { f64::INFINITY };
+        (radius, m.into_iter().max_by(|x, y| x.abs().total_cmp(&y.abs())).unwrap_or(0.0))
+    }
+}
+
+/// Is the line common to the normal planes at the end and at t closer than r to the end, for all t of an arc?
+pub(crate) fn line_within(frame: &Frame, finish: bool, arc: &Bezier, r: f64) -> bool {
+    let x = exact_arc_against(arc, &End::new(frame, finish));
+    let u = form::cross(&x.d, &x.a);
+    let reach = form::dot(&u, &u).mul(&x.w.clone().scale(r).sqr());
+    reach.sub(&form::dot(&x.a, &x.q).sqr().mul(&form::dot(&x.d, &x.d))).positive() == Some(true)
 }
 
 fn against(cell: &Cell, end: &End) -> Against<f64> {
@@ -274,7 +352,11 @@ fn against(cell: &Cell, end: &End) -> Against<f64> {
 
 fn exact_against(frame: &Frame, cell: &Cell, end: &End) -> Against<Int> {
     let at = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -i64::from(cell.depth) };
-    let forms = frame.segments[cell.segment].arc(&at(cell.index), &at(cell.index + 1)).forms();
+    exact_arc_against(&frame.segments[cell.segment].arc(&at(cell.index), &at(cell.index + 1)), end)
+}
+
+fn exact_arc_against(arc: &Bezier, end: &End) -> Against<Int> {
+    let forms = arc.forms();
     let constant = |x: &Int| Form { ds: 0, dt: 0, exp: 0, c: vec![x.clone()], norm: () };
     let scale = constant(&end.exact_point[3]);
     let q = std::array::from_fn(|k| forms.r[k].mul(&scale).sub(&forms.w.mul(&constant(&end.exact_point[k]))));

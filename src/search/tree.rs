@@ -144,6 +144,12 @@ impl<'a> Tree<'a> {
         Some((left, right))
     }
 
+    /// The halves, if they were made already.
+    pub(crate) fn known_children(&self, id: Id) -> Option<(Id, Id)> {
+        let node = self.node(id);
+        node.blocks.or(node.halves)
+    }
+
     fn push_cell(&mut self, mut cell: Cell) -> Id {
         cell.refresh(self.frame);
         let (mid, rad) = cell.ball();
@@ -227,6 +233,12 @@ impl Cone {
 
     pub(crate) fn within_45_degrees(&self) -> bool {
         self.cos > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING
+    }
+
+    /// Is every vector of one at less than 90 degrees to every vector of the other?
+    pub(crate) fn within_90_degrees_of(&self, other: &Self) -> bool {
+        // angle + alpha + beta < 90 degrees iff cos(angle + alpha) > sin(beta), the left angle below 90 degrees
+        self.about(&other.axis) > other.sin() + ROUNDING
     }
 
     /// The sine of the half angle, from above.
