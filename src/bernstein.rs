@@ -134,8 +134,9 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Times the dyadic rational that `k` is.
+    /// Times the dyadic rational that the finite `k` is.
     pub(crate) fn scale(mut self, k: f64) -> Self {
+        debug_assert!(k.is_finite());
         let (m, e) = decompose(k);
         T::scale(&mut self, m);
         self.exp += e;

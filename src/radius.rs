@@ -327,9 +327,6 @@ struct Job<'a> {
     margin: f64,
 }
 
-/// Above half of every distance in the unit box.
-const BEYOND: f64 = 64.0;
-
 /// An upper bound found for delta, in the unit box.
 #[derive(Debug, Clone)]
 struct Upper {
@@ -354,7 +351,7 @@ impl<'a> Job<'a> {
 
     fn run(mut self, spine: &Spine) -> Radius {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
-        let body = body::body_to_body(&mut self.tree, bend.min(BEYOND), self.margin, &mut self.meter);
+        let body = body::body_to_body(&mut self.tree, bend, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
         if let Some(witness) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
             return touching(spine, LimitedBy::SelfContact, self.location(&witness, None));
@@ -432,7 +429,7 @@ impl<'a> Job<'a> {
     }
 
     fn end_to_body(&mut self, finish: bool, of: Of, start: f64) -> (f64, Option<Contact>) {
-        ends::end_to_body(&mut self.tree, finish, of, start.min(1e150), self.margin, &mut self.meter)
+        ends::end_to_body(&mut self.tree, finish, of, start, self.margin, &mut self.meter)
     }
 
     /// Is the contact with the other end, or with the body?
@@ -445,12 +442,9 @@ impl<'a> Job<'a> {
     /// Encloses every term by a search of its own, whatever binds; says whether all became as narrow as they can.
     fn all_terms(&mut self, terms: &mut Terms, rim: &mut Option<Rim>) -> bool {
         let width = self.options.rel_width;
-        let body = body::body_to_body(&mut self.tree, BEYOND, self.margin, &mut self.meter);
-        // no pair of the box is further apart than BEYOND
-        let none = body.candidate.is_none() && body.radius >= BEYOND;
-        let lo = if none { f64::INFINITY } else { body.radius };
+        let body = body::body_to_body(&mut self.tree, f64::INFINITY, self.margin, &mut self.meter);
         let hi = body.candidate.map_or(f64::INFINITY, |pair| self.body_above(&pair, None));
-        terms.body_to_body = Enclosure { lo: self.enclosure(lo, lo).lo, hi: hi.min(terms.body_to_body.hi) };
+        terms.body_to_body = Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
         let mut complete = terms.body_to_body.is_within(width);
         if self.frame.closed {
             return complete;

@@ -12,6 +12,7 @@
 
 use super::frame::{ArcForms, Dyadic, ExactForms, Frame};
 use super::meter::Meter;
+use super::witness::Exact;
 use super::tree::{Cell, Id, Node, ROUNDING, SINE_SLACK, Tree, V3, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
 use crate::enclosure::Interval;
@@ -21,6 +22,9 @@ use std::collections::BinaryHeap;
 
 /// Below this radius (in the unit box) a search gives up: a self-contact, or undecided.
 pub(crate) const FLOOR: f64 = 1e-13;
+
+/// Above half of every distance in the unit box.
+const BEYOND: f64 = 64.0;
 
 /// A numerical doubly critical pair: candidates steer the search, they prove nothing.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +45,8 @@ pub(crate) struct Outcome {
 /// Searches with radii up to `start` (infinite: all pairs), shrinking to just below (by the share `margin`) the least
 /// doubly critical pair met.
 pub(crate) fn body_to_body(tree: &mut Tree, start: f64, margin: f64, meter: &mut Meter) -> Outcome {
-    let mut search = Search { tree, radius: start, margin, candidate: None };
+    let (start, exact) = (start.min(BEYOND), Exact::new(tree.frame));
+    let mut search = Search { tree, exact, radius: start, margin, candidate: None };
     let root = search.tree.root();
     let mut open = BinaryHeap::from([Reverse((0u64, root, root))]);
     while let Some(Reverse((bound, i, j))) = open.pop() {
@@ -64,11 +69,15 @@ pub(crate) fn body_to_body(tree: &mut Tree, start: f64, margin: f64, meter: &mut
             }
         }
     }
+    if search.radius >= BEYOND {
+        search.radius = f64::INFINITY;
+    }
     Outcome { radius: search.radius, candidate: search.candidate }
 }
 
 struct Search<'t, 'f> {
     tree: &'t mut Tree<'f>,
+    exact: Exact<'f>,
     radius: f64,
     margin: f64,
     candidate: Option<Candidate>,
@@ -105,22 +114,25 @@ impl Search<'_, '_> {
         if tilted(&q0, length, spread, a) || tilted(&q0, length, spread, b) {
             return None;
         }
+        let narrow = a.cone.cos.min(b.cone.cos) > 0.9;
         let (split_first, rad) = (a.rad >= b.rad, a.rad.max(b.rad));
         if let (Some(x), Some(y)) = (&a.cell, &b.cell) {
+            let floor = x.p_err.max(y.p_err);
             if self.closed_by_hulls(x, y, &q0) {
                 return None;
             }
-            if spread < 0.25 * length {
-                let refined = self.refine(i, j);
-                if self.closed_by_forms(i, j, refined) {
+            let apart = spread < 0.25 * length;
+            if apart || narrow {
+                let (centre, slack) = self.refine(i, j);
+                // the bent rule is off by about the third power of the cell: not before that is below its slack
+                let cube = (spread / length).powi(3);
+                if apart && cube < (3.0 * slack).max(1e-2 * self.margin) && self.closed_by_forms(i, j, centre) {
                     return None;
                 }
-                let floor = self.tree.node(i).cell.as_ref().map_or(0.0, |c| c.p_err);
-                // so small that splitting says nothing more about the distance
-                if spread < 1e-3 * self.margin * length || rad <= 8.0 * floor {
-                    return self.give_up(length - spread);
-                }
-            } else if rad <= 8.0 * x.p_err.max(y.p_err) {
+            }
+            // so small that splitting says nothing more about the distance
+            let blurred = !apart && rad <= 8.0 * floor;
+            if blurred || spread < 1e-3 * self.margin * length {
                 return self.give_up(length - spread);
             }
         }
@@ -159,23 +171,25 @@ impl Search<'_, '_> {
         gap > (2.0 * self.radius * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size
     }
 
-    /// Newton's method from the middle of the two cells, for a candidate; returns the parameters at which the *bent*
-    /// rule is to be centred, relative to the cells.
-    fn refine(&mut self, i: Id, j: Id) -> [f64; 2] {
+    /// Newton's method from the middle of the two cells, for a candidate. Returns the parameters at which the *bent*
+    /// rule is to be centred, relative to the cells, and what it has to spare there: |q|^2 / 4r^2 - 1 at the critical
+    /// pair that the quadratic model sees.
+    fn refine(&mut self, i: Id, j: Id) -> ([f64; 2], f64) {
         let unit = |c: &Cell| {
             let h = (-f64::from(c.depth)).exp2();
             (c.segment, c.index as f64 * h, h)
         };
-        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return [0.5; 2] };
+        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return ([0.5; 2], 0.0) };
         let ((cs, s0, hs), (ct, t0, ht)) = (unit(x), unit(y));
         let (mut s, mut t) = (s0 + 0.5 * hs, t0 + 0.5 * ht);
-        let mut centre = [0.5; 2];
+        let (mut centre, mut predicted_sq) = ([0.5; 2], 0.0);
         for round in 0..12 {
             let step = newton_step(&self.tree.evaluate(cs, s), &self.tree.evaluate(ct, t));
             let Some(step) = step else { break };
             if round == 0 {
                 // where the model says that the nearest critical pair is, and how far apart it is there
                 centre = [0.5 + step.ds / hs, 0.5 + step.dt / ht].map(|x| x.clamp(-1.0, 2.0));
+                predicted_sq = step.predicted_sq;
                 let known = self.candidate.map_or(f64::INFINITY, |c| c.radius * (1.0 - self.margin));
                 let wanted = 2.0 * (self.radius * (1.0 + 4.0 * self.margin)).min(known);
                 let promising = step.predicted_sq < wanted * wanted;
@@ -192,8 +206,16 @@ impl Search<'_, '_> {
             }
             let still = newton_step(&self.tree.evaluate(cs, s), &self.tree.evaluate(ct, t));
             let Some(still) = still else { break };
-            if still.residual < 1e-9 || still.length < 1e-15 {
-                let radius = 0.5 * still.length;
+            // f64 sees q.T to about 1e-15; on the diagonal it vanishes as well, so the parameters have to stay apart
+            let settled = still.residual * still.length < 1e-14;
+            let contact = settled && self.parameter_gap((cs, s), (ct, t)) > 0.5 * hs.max(ht);
+            if contact || (still.residual < 1e-9 && still.length > 1e-13) {
+                let mut radius = 0.5 * still.length;
+                if radius < 1e-4 {
+                    // f64 differences no longer give the distance to 12 digits
+                    let pair = Candidate { s: (cs, s), t: (ct, t), radius };
+                    radius = self.exact.half_distance(&pair);
+                }
                 if self.candidate.is_none_or(|c| radius < c.radius) {
                     self.candidate = Some(Candidate { s: (cs, s), t: (ct, t), radius });
                     self.radius = self.radius.min(radius * (1.0 - self.margin));
@@ -201,7 +223,14 @@ impl Search<'_, '_> {
                 break;
             }
         }
-        centre
+        (centre, predicted_sq / (4.0 * self.radius * self.radius) - 1.0)
+    }
+
+    /// In spans, round the closure if that is shorter.
+    fn parameter_gap(&self, s: (usize, f64), t: (usize, f64)) -> f64 {
+        let gap = (s.0 as f64 - t.0 as f64 + s.1 - t.1).abs();
+        let frame = self.tree.frame;
+        if frame.closed { gap.min(frame.segments.len() as f64 - gap) } else { gap }
     }
 
     /// Tilt and bent on Bernstein forms of two variables: f64, and exact where f64 cannot tell.
@@ -427,7 +456,7 @@ fn newton_step(at_s: &[V3; 3], at_t: &[V3; 3]) -> Option<Step> {
         dt: dt / vt,
         predicted_sq: length * length + gs * ds + gt * dt,
         length,
-        residual: gs.abs().max(gt.abs()) / length,
+        residual: if length > 0.0 { gs.abs().max(gt.abs()) / length } else { 0.0 },
     };
     (step.ds.is_finite() && step.dt.is_finite()).then_some(step)
 }

@@ -116,6 +116,10 @@ impl Strips {
     fn floor(&self) -> f64 {
         let mean: [f64; 3] = std::array::from_fn(|k| self.a.c.iter().map(|v| v[k]).sum());
         let size = length(&mean);
+        // not for a mean that rounding has eaten (a closed control polygon: its differences sum to 0)
+        if size.is_nan() || size <= 1e-6 * max_abs(&self.a.c) {
+            return 0.0;
+        }
         let along = |v: &[f64; 3]| (0..3).map(|k| v[k] * mean[k]).sum::<f64>() / size;
         let shortest = self.a.c.iter().map(along).fold(f64::INFINITY, f64::min);
         let shortest = shortest - 2.0 * self.a.rad - 16.0 * UNIT * max_abs(&self.a.c);

@@ -47,7 +47,7 @@ pub(crate) fn end_to_body(
 ) -> (f64, Option<Contact>) {
     let end = End::new(tree.frame, finish);
     let planar = of == Of::Rims && super::witness::plane(tree.frame).is_some();
-    let mut search = Search { tree, end, of, planar, margin, radius: start, contact: None, reach: vec![], broken: false };
+    let mut search = Search { tree, end, of, planar, margin, radius: start.min(1e150), contact: None, reach: vec![], broken: false };
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
         if search.radius < FLOOR {

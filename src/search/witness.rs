@@ -302,9 +302,17 @@ impl<'f> Exact<'f> {
         Some(true)
     }
 
+    /// Half the distance of a candidate after Newton with exact residuals, numerically.
+    pub(crate) fn half_distance(&mut self, pair: &Candidate) -> f64 {
+        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
+        let (s, t) = self.polished(at(pair.s), at(pair.t), pair.radius);
+        let (num, den) = distance_sq(&self.point(&s), &self.point(&t));
+        0.5 * ratio(&num, &den).sqrt()
+    }
+
     /// Newton with exact residuals, so that pairs far closer than f64 resolves are still found.
     fn polished(&mut self, mut s: At, mut t: At, radius: f64) -> (At, At) {
-        if radius > 1e-5 {
+        if radius > 1e-4 {
             return (s, t);
         }
         for _ in 0..4 {
