@@ -4,6 +4,17 @@ fn main() {
         let o = tubecert::RadiusOptions::new().all_terms(std::env::var("ALL").is_ok());
         let t = std::time::Instant::now();
         let r = tubecert::radius(&spine, &o).unwrap();
-        println!("{f} {:?} {:?} also {:?} {} cells {} {:?}\n   {:?}\n   {:?} {:?}", r.delta, r.limited_by, r.also, r.complete, r.cells, t.elapsed(), r.terms, r.at, r.rim);
+        println!(
+            "{f} {:?} {:?} also {:?} {} cells {} {:?}\n   {:?}\n   {:?} {:?}",
+            r.delta,
+            r.limited_by,
+            r.also,
+            r.complete,
+            r.cells,
+            t.elapsed(),
+            r.terms,
+            r.at,
+            r.rim
+        );
     }
 }

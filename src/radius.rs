@@ -8,7 +8,7 @@ use crate::search::ends::{self, Contact, Of};
 use crate::search::frame::{At, Dyadic, Frame};
 use crate::search::meter::{Meter, Progress};
 use crate::search::tree::Tree;
-use crate::search::witness::{Exact, Witness};
+use crate::search::witness::{Exact, Touch, Witness};
 use crate::spine::Spine;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -353,11 +353,11 @@ impl<'a> Job<'a> {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
         let body = body::body_to_body(&mut self.tree, bend, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
-        if let Some(witness) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
-            return touching(spine, LimitedBy::SelfContact, self.location(&witness, None));
+        if let Some(touch) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
+            return touching(spine, LimitedBy::SelfContact, self.touch_location(&touch));
         }
         let mut radius = bend.min(body.radius);
-        let mut contacts: Vec<Contact> = vec![];
+        let mut contacts: Vec<Contact> = body.candidate.and_then(|pair| self.end_contact(&pair)).into_iter().collect();
         if !self.frame.closed {
             for finish in [false, true] {
                 let (proved, contact) = self.end_to_body(finish, Of::Disks, radius);
@@ -432,6 +432,24 @@ impl<'a> Job<'a> {
         ends::end_to_body(&mut self.tree, finish, of, start, self.margin, &mut self.meter)
     }
 
+    /// A doubly critical pair at an end of an open spine is a contact of that end's disk.
+    fn end_contact(&self, pair: &Candidate) -> Option<Contact> {
+        let last = self.frame.segments.len() - 1;
+        let finish = |(segment, t): (usize, f64)| match (segment, t) {
+            (0, t) if t < 1e-9 => Some(false),
+            (segment, t) if segment == last && t > 1.0 - 1e-9 => Some(true),
+            _ => None,
+        };
+        if self.frame.closed {
+            return None;
+        }
+        let (side, mut t) = finish(pair.s).map(|side| (side, pair.t)).or(finish(pair.t).map(|side| (side, pair.s)))?;
+        if let Some(other) = finish(t) {
+            t.1 = f64::from(u8::from(other));
+        }
+        Some(Contact { finish: side, t, radius: pair.radius })
+    }
+
     /// Is the contact with the other end, or with the body?
     fn term(&self, contact: &Contact) -> LimitedBy {
         let other = self.exact.end(!contact.finish);
@@ -444,7 +462,8 @@ impl<'a> Job<'a> {
         let width = self.options.rel_width;
         let body = body::body_to_body(&mut self.tree, f64::INFINITY, self.margin, &mut self.meter);
         let hi = body.candidate.map_or(f64::INFINITY, |pair| self.body_above(&pair, None));
-        terms.body_to_body = Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
+        terms.body_to_body =
+            Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
         let mut complete = terms.body_to_body.is_within(width);
         if self.frame.closed {
             return complete;
@@ -487,9 +506,7 @@ impl<'a> Job<'a> {
         }
         match of {
             Of::Disks => self.exact.disks(contact).map(|w| w.radius),
-            Of::Rims => {
-                self.exact.planar_rims(contact).or_else(|| Some(self.exact.meeting(&end, &at, Of::Rims)?.1))
-            }
+            Of::Rims => self.exact.planar_rims(contact).or_else(|| Some(self.exact.meeting(&end, &at, Of::Rims)?.1)),
         }
     }
 
@@ -514,12 +531,27 @@ impl<'a> Job<'a> {
         Enclosure { lo: scaled(lo).map_or(lo, |x| f64_below(&x)), hi: scaled(hi).map_or(hi, |x| f64_above(&x)) }
     }
 
+    /// A seam parameter is given as the start.
+    fn parameter(&self, at: &At) -> Enclosure {
+        let t = self.frame.parameter(at);
+        let last = self.frame.closed && self.frame.knots.last().is_some_and(|end| same(&t, end));
+        Enclosure::of(if last { &self.frame.knots[0] } else { &t })
+    }
+
+    fn touch_location(&self, touch: &Touch) -> Location {
+        let between = |[from, to]: &[At; 2]| Enclosure { lo: self.parameter(from).lo, hi: self.parameter(to).hi };
+        let x = touch.points.as_ref().map(|points| {
+            let points: Vec<_> = points.iter().map(|x| self.frame.point(x)).collect();
+            [0, 1, 2].map(|k| Enclosure {
+                lo: points.iter().map(|x| f64_below(&x[k])).fold(f64::INFINITY, f64::min),
+                hi: points.iter().map(|x| f64_above(&x[k])).fold(f64::NEG_INFINITY, f64::max),
+            })
+        });
+        Location { s: Some(between(&touch.s)), t: between(&touch.t), x, end: None }
+    }
+
     fn location(&self, witness: &Witness, end: Option<SpineEnd>) -> Location {
-        let parameter = |at: &At| {
-            let t = self.frame.parameter(at);
-            let last = self.frame.closed && self.frame.knots.last().is_some_and(|end| same(&t, end));
-            Enclosure::of(if last { &self.frame.knots[0] } else { &t })
-        };
+        let parameter = |at: &At| self.parameter(at);
         Location {
             s: witness.s.as_ref().map(parameter),
             t: parameter(&witness.t),

@@ -12,8 +12,8 @@
 
 use super::frame::{ArcForms, Dyadic, ExactForms, Frame};
 use super::meter::Meter;
-use super::witness::Exact;
 use super::tree::{Cell, Id, Node, ROUNDING, SINE_SLACK, Tree, V3, dot, norm, sub};
+use super::witness::{Exact, POLISHED};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
 use crate::enclosure::Interval;
 use crate::integer::Int;
@@ -211,7 +211,7 @@ impl Search<'_, '_> {
             let contact = settled && self.parameter_gap((cs, s), (ct, t)) > 0.5 * hs.max(ht);
             if contact || (still.residual < 1e-9 && still.length > 1e-13) {
                 let mut radius = 0.5 * still.length;
-                if radius < 1e-4 {
+                if radius < POLISHED {
                     // f64 differences no longer give the distance to 12 digits
                     let pair = Candidate { s: (cs, s), t: (ct, t), radius };
                     radius = self.exact.half_distance(&pair);
@@ -265,12 +265,9 @@ fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> bool
         let d: Vec3<T> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
         let (ds, dt) = (form::dot(&d, &x.a), form::dot(&d, &y.a));
         let plain = stretched(&d, &x.w.mul(&y.w), radius);
-        first_true([
-            &|| ds.one_sign(),
-            &|| dt.one_sign(),
-            &|| plain.positive(),
-            &|| plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive(),
-        ])
+        first_true([&|| ds.one_sign(), &|| dt.one_sign(), &|| plain.positive(), &|| {
+            plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive()
+        }])
     }
     run::<Interval>(x, y, radius, centre).unwrap_or_else(|| run::<Int>(x, y, radius, centre) == Some(true))
 }

@@ -9,10 +9,10 @@
 //! polynomial in t. The other rules: |q| > 2r, and Lemma L next to the end.
 
 use super::body::FLOOR;
+use super::body::first_true;
 use super::curvature::golden;
 use super::frame::{Dyadic, Frame};
 use super::meter::Meter;
-use super::body::first_true;
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
 use crate::enclosure::Interval;
@@ -47,7 +47,8 @@ pub(crate) fn end_to_body(
 ) -> (f64, Option<Contact>) {
     let end = End::new(tree.frame, finish);
     let planar = of == Of::Rims && super::witness::plane(tree.frame).is_some();
-    let mut search = Search { tree, end, of, planar, margin, radius: start.min(1e150), contact: None, reach: vec![], broken: false };
+    let mut search =
+        Search { tree, end, of, planar, margin, radius: start.min(1e150), contact: None, reach: vec![], broken: false };
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
         if search.radius < FLOOR {

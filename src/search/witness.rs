@@ -9,9 +9,13 @@ use super::tree::V3;
 use crate::bernstein::{Form, Vec3, dot};
 use crate::integer::{Int, decompose, ldexp};
 use crate::number::Rational;
+use crate::spine::Bezier;
 use num_bigint::BigInt;
 use num_integer::Integer;
 use std::cmp::Ordering;
+
+/// Candidates closer than this are polished with exact residuals: f64 no longer resolves them well.
+pub(crate) const POLISHED: f64 = 1e-4;
 
 /// A homogeneous point x / w, w > 0.
 #[derive(Debug, Clone)]
@@ -40,6 +44,14 @@ pub(crate) struct Witness {
     pub(crate) s: Option<At>,
     pub(crate) t: At,
     pub(crate) x: Option<[Rational; 3]>,
+}
+
+/// A proved self-contact: each parameter lies between two, the point in the hull of `points`.
+#[derive(Debug, Clone)]
+pub(crate) struct Touch {
+    pub(crate) s: [At; 2],
+    pub(crate) t: [At; 2],
+    pub(crate) points: Option<Vec<[Rational; 3]>>,
 }
 
 impl<'f> Exact<'f> {
@@ -312,7 +324,7 @@ impl<'f> Exact<'f> {
 
     /// Newton with exact residuals, so that pairs far closer than f64 resolves are still found.
     fn polished(&mut self, mut s: At, mut t: At, radius: f64) -> (At, At) {
-        if radius > 1e-4 {
+        if radius > POLISHED {
             return (s, t);
         }
         for _ in 0..4 {
@@ -341,21 +353,38 @@ impl<'f> Exact<'f> {
 
     /// W4: the two parameters of a candidate are one point, exactly (small denominators), or a planar spine crosses
     /// itself there by change of sign (Miranda).
-    pub(crate) fn self_contact(&mut self, pair: &Candidate) -> Option<Witness> {
+    pub(crate) fn self_contact(&mut self, pair: &Candidate) -> Option<Touch> {
         let exact = |(segment, t): (usize, f64)| simplest(t).map(|(num, den)| (segment, num, den));
-        if let (Some(s), Some(t)) = (exact(pair.s), exact(pair.t)) {
-            if self.same_point(&s, &t) {
-                return Some(self.contact_witness(pair));
-            }
+        if let (Some(s), Some(t)) = (exact(pair.s), exact(pair.t))
+            && self.same_point(&s, &t)
+        {
+            let around = |(segment, num, den): &(usize, Int, Int)| {
+                let below =
+                    rounded_quotient(&Dyadic { m: num.clone(), e: 0 }, &Dyadic { m: den.clone(), e: 0 }, 80, 80);
+                let above = if den == &Int::ONE { below.clone() } else { below.add(&step(80)) };
+                (*segment, below, above)
+            };
+            return Some(self.touch(around(&s), around(&t)));
         }
-        self.crosses(pair).then(|| self.contact_witness(pair))
+        let j = self.crosses(pair)?;
+        let around = |(segment, t): (usize, f64)| {
+            let t = truncated(&Dyadic::from_f64(t), 60);
+            (segment, t.sub(&step(j)), t.add(&step(j)))
+        };
+        Some(self.touch(around(pair.s), around(pair.t)))
     }
 
-    fn contact_witness(&mut self, pair: &Candidate) -> Witness {
-        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
-        let (s, t) = (at(pair.s), at(pair.t));
-        let x = self.point(&t).cartesian();
-        Witness { radius: 0.0, s: Some(s), t, x: Some(x) }
+    fn touch(&mut self, s: (usize, Dyadic, Dyadic), t: (usize, Dyadic, Dyadic)) -> Touch {
+        let arc = self.frame.segments[s.0].arc(&s.1, &s.2);
+        // w > 0 at both ends, but a control weight of a long arc may not be: then no box is given
+        let points: Option<Vec<[Rational; 3]>> = (0..=arc.degree())
+            .map(|i| {
+                let [x, y, z, w] = arc.point(i);
+                w.sign().is_gt().then(|| [x, y, z].map(|x| Rational::new(x.big(), w.big())))
+            })
+            .collect();
+        let ends = |(segment, from, to): (usize, Dyadic, Dyadic)| [At { segment, t: from }, At { segment, t: to }];
+        Touch { s: ends(s), t: ends(t), points }
     }
 
     fn same_point(&mut self, s: &(usize, Int, Int), t: &(usize, Int, Int)) -> bool {
@@ -407,8 +436,12 @@ impl<'f> Exact<'f> {
     /// upper bound for half its distance.
     pub(crate) fn critical_box(&mut self, pair: &Candidate, jacobian: [[f64; 2]; 2]) -> Option<f64> {
         let inverse = inverse(jacobian)?;
-        for j in [34, 30, 26, 22, 18, 14] {
-            let Some((x, y)) = self.boxed(pair, j) else { continue };
+        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
+        let (s, t) = self.polished(at(pair.s), at(pair.t), pair.radius);
+        let centre = [s, t].map(|at| At { segment: at.segment, t: truncated(&at.t, 100) });
+        let fine = pair.radius < POLISHED;
+        for j in [80, 60, 44, 34, 28, 22, 16].into_iter().skip(if fine { 0 } else { 2 }) {
+            let Some((x, y)) = self.boxed(&centre, j) else { continue };
             let (fx, fy) = (x.forms(), y.forms());
             let y_forms = |v: &Vec3<Int>| v.clone().map(Form::transposed);
             let (ry, wy, ay) = (y_forms(&fy.r), fy.w.clone().transposed(), y_forms(&fy.a));
@@ -427,26 +460,24 @@ impl<'f> Exact<'f> {
     }
 
     /// Exact arcs of half width 2^-j round the two parameters; `None` across a joint or if they overlap.
-    fn boxed(&self, pair: &Candidate, j: i64) -> Option<(crate::spine::Bezier, crate::spine::Bezier)> {
+    fn boxed(&self, [s, t]: &[At; 2], j: i64) -> Option<(Bezier, Bezier)> {
         let eta = step(j);
-        let sides = |(segment, t): (usize, f64)| {
-            let t = truncated(&Dyadic::from_f64(t), 60);
-            let (from, to) = (t.sub(&eta), t.add(&eta));
+        let sides = |at: &At| {
+            let (from, to) = (at.t.sub(&eta), at.t.add(&eta));
             let inside = from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le();
-            inside.then(|| self.frame.segments[segment].arc(&from, &to))
+            inside.then(|| self.frame.segments[at.segment].arc(&from, &to))
         };
-        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
-        let apart = distance(self.frame, &at(pair.s), &at(pair.t));
         let wide = Dyadic { m: Int::from(4), e: 0 }.mul(&eta);
-        apart.cmp(&wide).is_gt().then_some(())?;
-        Some((sides(pair.s)?, sides(pair.t)?))
+        distance(self.frame, s, t).cmp(&wide).is_gt().then_some(())?;
+        Some((sides(s)?, sides(t)?))
     }
 
-    /// A planar spine that crosses itself near the candidate: D = 0 in a box, by Miranda.
-    fn crosses(&mut self, pair: &Candidate) -> bool {
-        let Some([i, k]) = plane(self.frame) else { return false };
-        for j in [40, 34, 28, 22, 16, 10, 6] {
-            let Some((x, y)) = self.boxed(pair, j) else { continue };
+    /// A planar spine that crosses itself near the candidate: D = 0 in a box of half width 2^-j, by Miranda; returns j.
+    fn crosses(&mut self, pair: &Candidate) -> Option<i64> {
+        let [i, k] = plane(self.frame)?;
+        let centre = [pair.s, pair.t].map(|(segment, t)| At { segment, t: truncated(&Dyadic::from_f64(t), 60) });
+        for j in [44, 34, 28, 22, 16, 10, 6] {
+            let Some((x, y)) = self.boxed(&centre, j) else { continue };
             let (fx, fy) = (x.forms(), y.forms());
             let d =
                 [i, k].map(|c| fx.r[c].mul(&fy.w.clone().transposed()).sub(&fy.r[c].clone().transposed().mul(&fx.w)));
@@ -456,12 +487,12 @@ impl<'f> Exact<'f> {
                 [i, k].map(|c| sign * forms.a[c].c[0].to_f64_shifted(top))
             };
             let (a, b) = (column(&fx, 1.0), column(&fy, -1.0));
-            let Some(inverse) = inverse([[a[0], b[0]], [a[1], b[1]]]) else { return false };
+            let inverse = inverse([[a[0], b[0]], [a[1], b[1]]])?;
             if opposite_faces(&d[0], &d[1], inverse) {
-                return true;
+                return Some(j);
             }
         }
-        false
+        None
     }
 }
 
@@ -488,9 +519,9 @@ fn inverse(m: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
 }
 
 /// Half the largest distance between control points of two short arcs, from above.
-fn half_distance_above(x: &crate::spine::Bezier, y: &crate::spine::Bezier) -> Option<f64> {
+fn half_distance_above(x: &Bezier, y: &Bezier) -> Option<f64> {
     let dyadic = |m: Int| Dyadic { m, e: 0 };
-    let points = |b: &crate::spine::Bezier| -> Option<Vec<Point>> {
+    let points = |b: &Bezier| -> Option<Vec<Point>> {
         (0..=b.degree())
             .map(|i| {
                 let [x, y, z, w] = b.point(i);
