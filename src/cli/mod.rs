@@ -64,10 +64,10 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn radius(args: &RadiusArgs) -> Result<(String, u8), Failure> {
+fn radius(args: &RadiusArgs) -> Result<(String, u8), Box<Failure>> {
     let start = Instant::now();
     let file = args.curve.display().to_string();
-    let refused = |error| Failure::of(file.clone(), error);
+    let refused = |error| Box::new(Failure::of(file.clone(), error));
     let bytes = read(&args.curve, &file)?;
     let spine = Curve::from_json_slice(&bytes).and_then(Spine::from_curve).map_err(refused)?;
     drop(bytes);
@@ -111,10 +111,10 @@ fn printable(mut answer: Radius) -> Radius {
 }
 
 /// The bytes of a file, never more than are allowed.
-fn read(path: &Path, file: &str) -> Result<Vec<u8>, Failure> {
+fn read(path: &Path, file: &str) -> Result<Vec<u8>, Box<Failure>> {
     let failure = |kind: ErrorKind, message, help: &str| {
         let file = Some(file.to_string());
-        Failure { file, help: Some(help.to_string()), ..Failure::new(kind.word(), message, UNUSABLE) }
+        Box::new(Failure { file, help: Some(help.to_string()), ..Failure::new(kind.word(), message, UNUSABLE) })
     };
     let unreadable = |error: io::Error| {
         let help = "give a readable curve file, or - for standard input";
