@@ -480,7 +480,7 @@ impl Scalar for f64 {
                 if *x <= -bound {
                     return Some(false);
                 }
-                sure &= *x > bound;
+                sure &= *x > bound && x.is_finite();
             }
         }
         sure.then_some(true)

@@ -405,7 +405,7 @@ impl<'a> Job<'a> {
         if self.options.all_terms {
             complete &= self.all_terms(&mut terms, &mut rim);
         } else if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= delta_above(best)) {
-            terms.body_to_body.hi = self.body_above(&pair, best);
+            terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend));
         }
         let limited_by = best.filter(|_| narrow).map_or(LimitedBy::Undecided, |u| u.term);
         let all = [

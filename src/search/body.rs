@@ -133,7 +133,7 @@ impl Search<'_, '_> {
             // so small that splitting says nothing more about the distance
             let blurred = !apart && rad <= 8.0 * floor;
             if blurred || spread < 1e-3 * self.margin * length {
-                return self.give_up(length - spread);
+                return self.give_up(self.gap(i, j));
             }
         }
         let order = if split_first { [(i, j), (j, i)] } else { [(j, i), (i, j)] };
@@ -143,7 +143,7 @@ impl Search<'_, '_> {
                 return Some([Some(pair(l)), Some(pair(r)), None]);
             }
         }
-        self.give_up(length - spread)
+        self.give_up(self.gap(i, j))
     }
 
     /// Shrinks the radius below what this cell allows: closed, at a price.
@@ -336,7 +336,7 @@ fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
                 c.push(d * (bs[i] * bt[j]));
             }
         }
-        let points = wx * wy * (x.p_err + y.p_err);
+        let points = (wx + x.w_err) * (wy + y.w_err) * (x.p_err + y.p_err);
         let gap = x.p.iter().flat_map(|p| y.p.iter().map(move |q| (p[k] - q[k]).abs())).fold(0.0f64, f64::max);
         let heavy = gap * (x.w_err * (wy + y.w_err) + y.w_err * wx) * 2.0;
         let rounding = (8.0 * UNIT + binomial_error(n) + binomial_error(m)) * mag;
@@ -358,7 +358,7 @@ fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
         };
         let ((l, h), (lo, hi)) = (range(x), range(y));
-        let err = (e * norm(a) + 4.0 * reach * z.a_err + ROUNDING * reach * norm(a)) * (1.0 + 1e-9);
+        let err = (e * (norm(a) + 2.0 * z.a_err) + 4.0 * reach * z.a_err + ROUNDING * reach * norm(a)) * (1.0 + 1e-9);
         let now = if l - hi > err {
             1.0
         } else if lo - h > err {

@@ -338,7 +338,8 @@ fn against(cell: &Cell, end: &End) -> Against<f64> {
     let q = std::array::from_fn(|k| {
         let strip: Vec<f64> = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * weight(i)).collect();
         let size = cell.p.iter().map(|p| (p[k] - end.point[k]).abs()).fold(0.0f64, f64::max);
-        let rad = heaviest * (cell.p_err + 4.0 * UNIT * end.point[k].abs() + 4.0 * UNIT * size) + size * cell.w_err;
+        let rad = (heaviest + cell.w_err) * (cell.p_err + 4.0 * UNIT * end.point[k].abs() + 4.0 * UNIT * size)
+            + size * cell.w_err;
         Form::from_strip(&strip, rad * (1.0 + 1e-9), 0)
     });
     let w = if cell.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&cell.w, cell.w_err, 0) };

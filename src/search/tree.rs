@@ -306,7 +306,8 @@ impl Cell {
             self.w_err = UNIT * 2.0;
         }
         let largest = |v: &[V3]| v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
-        self.r_err = 4.0 * UNIT * largest(&self.r);
+        // the constant is above what squares of tiny coordinates may lose to underflow
+        self.r_err = 4.0 * UNIT * largest(&self.r) + 1e-140;
         let forms = bezier.forms();
         let drop = forms.a.iter().flat_map(|f| &f.c).map(|x| x.bits() as i64).max().unwrap_or(0);
         let binomials = crate::bernstein::binomials(forms.a[0].ds);

@@ -1,0 +1,65 @@
+//! What may be typed. A command or flag that does not work yet does not stand here.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Parser, Subcommand};
+use clap_complete::Shell;
+
+/// Proves geometric facts about tubes around rational space curves
+#[derive(Debug, Parser)]
+#[command(
+    name = "tubecert",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
+Exit codes: 0 answered and proved; 2 unusable input or usage; 3 undecided within the limits (what is printed is
+still true, only wider); 4 output not writable or floating point broken (nothing is claimed)."
+)]
+pub struct Args {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Encloses delta, the largest radius for which the solid tube does not self-intersect
+    Radius(RadiusArgs),
+    /// Prints the completion script of a shell
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+pub struct RadiusArgs {
+    /// The curve file (JSON); - is standard input
+    pub curve: PathBuf,
+    /// Print the answer as JSON; a failure too
+    #[arg(long)]
+    pub json: bool,
+    /// The asked relative width, between 0 and 1: hi - lo <= W hi
+    #[arg(long, value_name = "W", default_value = "1e-9", value_parser = rel_width, allow_negative_numbers = true)]
+    pub rel_width: f64,
+    /// Enclose every term, also those that cannot bind, and the rim terms
+    #[arg(long)]
+    pub all_terms: bool,
+    /// Stop after N cells with what is proved by then
+    #[arg(long, value_name = "N", default_value_t = 20_000_000, allow_negative_numbers = true)]
+    pub max_cells: u64,
+    /// Stop after so many seconds with what is proved by then; answers then depend on the machine
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub budget: Option<Duration>,
+}
+
+fn rel_width(text: &str) -> Result<f64, String> {
+    let width = text.parse().ok().filter(|w: &f64| *w > 0.0 && *w < 1.0);
+    width.ok_or_else(|| "a number between 0 and 1 is wanted, for instance 1e-9".to_string())
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0);
+    let limit = seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());
+    limit.ok_or_else(|| "a positive number of seconds is wanted".to_string())
+}

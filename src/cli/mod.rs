@@ -1,0 +1,202 @@
+//! The command line: arguments in, text or JSON and an exit code out. It proves nothing by itself.
+
+mod args;
+mod json;
+mod text;
+
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use clap::error::{ContextKind, ContextValue};
+use clap::{CommandFactory, Parser};
+use indicatif::{ProgressBar, ProgressStyle};
+use tubecert::number::MAX_BYTES;
+use tubecert::{Curve, Enclosure, Error, ErrorKind, Radius, RadiusOptions, Spine};
+
+use args::{Args, Command, RadiusArgs};
+
+const DONE: u8 = 0;
+const UNUSABLE: u8 = 2;
+const UNDECIDED: u8 = 3;
+const NO_CLAIM: u8 = 4;
+
+/// Why there is no answer: the fields of the JSON error, and the exit code.
+#[derive(Debug, serde::Serialize)]
+struct Failure {
+    kind: &'static str,
+    file: Option<String>,
+    key: Option<String>,
+    index: Option<usize>,
+    message: String,
+    help: Option<String>,
+    /// The byte in the file.
+    offset: Option<usize>,
+    #[serde(skip)]
+    code: u8,
+}
+
+/// Runs the program on the arguments of the process.
+pub fn main() -> ExitCode {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let args = match Args::try_parse_from(&words) {
+        Ok(args) => args,
+        Err(error) if error.use_stderr() && asks_for_json(&words) => return fail(&Failure::usage(&error), true),
+        Err(error) => {
+            let code = if error.use_stderr() { UNUSABLE } else { DONE };
+            return finish(error.print(), code);
+        }
+    };
+    match args.command {
+        Command::Radius(args) => match radius(&args) {
+            Ok((text, code)) => print(&text, code),
+            Err(failure) => fail(&failure, args.json),
+        },
+        Command::Completions { shell } => {
+            // into memory first: the generators panic where they cannot write
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Args::command(), "tubecert", &mut script);
+            print(&String::from_utf8_lossy(&script), DONE)
+        }
+    }
+}
+
+fn radius(args: &RadiusArgs) -> Result<(String, u8), Box<Failure>> {
+    let start = Instant::now();
+    let file = args.curve.display().to_string();
+    let refused = |error| Box::new(Failure::of(file.clone(), error));
+    let bytes = read(&args.curve, &file)?;
+    let spine = Curve::from_json_slice(&bytes).and_then(Spine::from_curve).map_err(refused)?;
+    drop(bytes);
+
+    // drawn on a terminal only, and first after a second
+    let bar = ProgressBar::no_length();
+    bar.set_style(
+        ProgressStyle::with_template("{spinner} {human_pos} cells").unwrap_or(ProgressStyle::default_spinner()),
+    );
+    let shown = bar.clone();
+    let progress = move |cells| {
+        if start.elapsed() > Duration::from_secs(1) {
+            shown.set_position(cells);
+        }
+    };
+    let mut options = RadiusOptions::new()
+        .rel_width(args.rel_width)
+        .all_terms(args.all_terms)
+        .max_cells(args.max_cells)
+        .progress(progress);
+    if let Some(limit) = args.budget {
+        options = options.budget(limit.saturating_sub(start.elapsed()));
+    }
+    let answer = tubecert::radius(&spine, &options);
+    bar.finish_and_clear();
+
+    let answer = printable(answer.map_err(refused)?);
+    let code = if answer.complete { DONE } else { UNDECIDED };
+    let text = if args.json { json::radius(&spine, &answer) } else { text::radius(&spine, &answer, args) };
+    Ok((text, code))
+}
+
+/// Without places below every f64: the format has no -infinity.
+fn printable(mut answer: Radius) -> Radius {
+    let bounded = |e: &Enclosure| e.lo > f64::NEG_INFINITY;
+    answer.at = answer.at.filter(|at| bounded(&at.t) && at.s.as_ref().is_none_or(bounded));
+    if let Some(at) = &mut answer.at {
+        at.x = at.x.filter(|x| x.iter().all(bounded));
+    }
+    answer
+}
+
+/// The bytes of a file, never more than are allowed.
+fn read(path: &Path, file: &str) -> Result<Vec<u8>, Box<Failure>> {
+    let failure = |kind: ErrorKind, message, help: &str| {
+        let file = Some(file.to_string());
+        Box::new(Failure { file, help: Some(help.to_string()), ..Failure::new(kind.word(), message, UNUSABLE) })
+    };
+    let unreadable = |error: io::Error| {
+        let help = "give a readable curve file, or - for standard input";
+        failure(ErrorKind::Io, format!("the file cannot be read: {error}"), help)
+    };
+    let most = MAX_BYTES as u64;
+    let (mut bytes, mut length) = (Vec::new(), 0);
+    if path == Path::new("-") {
+        io::stdin().lock().take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    } else {
+        let opened = File::open(path).map_err(unreadable)?;
+        length = opened.metadata().map_err(unreadable)?.len();
+        if length <= most {
+            // more than its length: pipes and devices have the length 0
+            opened.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        }
+    }
+    if length.max(bytes.len() as u64) > most {
+        let message = format!("the file has more than {most} bytes, the limit MAX_BYTES");
+        return Err(failure(ErrorKind::Limit, message, "cut the curve into several files"));
+    }
+    Ok(bytes)
+}
+
+impl Failure {
+    fn new(kind: &'static str, message: String, code: u8) -> Self {
+        Self { kind, file: None, key: None, index: None, message, help: None, offset: None, code }
+    }
+
+    fn of(file: String, error: Error) -> Self {
+        let code = if error.kind == ErrorKind::Rounding { NO_CLAIM } else { UNUSABLE };
+        let help = Some(error.help).filter(|help| !help.is_empty());
+        let Error { kind, key, index, offset, message, .. } = error;
+        Self { kind: kind.word(), file: Some(file), key, index, message, help, offset, code }
+    }
+
+    /// What clap says: a first paragraph, then advice.
+    fn usage(error: &clap::Error) -> Self {
+        let text = error.to_string();
+        let (message, help) = text.split_once("\n\n").unwrap_or((&text, ""));
+        let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let key = match error.get(ContextKind::InvalidArg) {
+            Some(ContextValue::String(arg)) => arg.split_whitespace().next().map(str::to_string),
+            _ => None,
+        };
+        let message = one_line(message.trim_start_matches("error: "));
+        Self { key, help: Some(one_line(help)), ..Self::new("usage", message, UNUSABLE) }
+    }
+}
+
+fn asks_for_json(words: &[OsString]) -> bool {
+    words.iter().take_while(|word| *word != "--").any(|word| word == "--json")
+}
+
+fn fail(failure: &Failure, as_json: bool) -> ExitCode {
+    if as_json {
+        return print(&json::failure(failure), failure.code);
+    }
+    complain(failure);
+    ExitCode::from(failure.code)
+}
+
+/// On stderr; there is nobody left to tell if that fails.
+fn complain(failure: &Failure) {
+    let _ = io::stderr().write_all(text::failure(failure).as_bytes());
+}
+
+fn print(text: &str, code: u8) -> ExitCode {
+    let mut out = io::stdout().lock();
+    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    finish(written, code)
+}
+
+/// A closed pipe ends quietly; any other failure to write means that nothing was said.
+fn finish(written: io::Result<()>, code: u8) -> ExitCode {
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            let message = format!("the answer cannot be written: {error}");
+            let help = Some("write to another place; what was printed so far claims nothing".to_string());
+            complain(&Failure { help, ..Failure::new(ErrorKind::Io.word(), message, NO_CLAIM) });
+            ExitCode::from(NO_CLAIM)
+        }
+        _ => ExitCode::from(code),
+    }
+}

@@ -1,0 +1,467 @@
+//! The program as a user or a script sees it: exact output, exit codes, errors, broken pipes.
+//!
+//! `UPDATE_SNAPSHOTS=1 cargo test --test cli` rewrites tests/snapshots; read the difference before committing it.
+#![cfg(feature = "cli")]
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+use serde_json::{Value, json};
+use tubecert::number::{Rational, compare, parse_rational, rational_from_f64};
+use tubecert::{Enclosure, Radius, RadiusOptions, Spine};
+
+fn tubecert(words: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tubecert"));
+    command.args(words).current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
+    command
+}
+
+fn run(words: &[&str]) -> Output {
+    tubecert(words).output().unwrap()
+}
+
+fn fed(words: &[&str], input: &[u8]) -> Output {
+    let mut child =
+        tubecert(words).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("an exit code, no signal")
+}
+
+/// What stands on stdout; nothing may stand on stderr.
+fn answer(output: &Output, expected: i32) -> &str {
+    assert_eq!((text(&output.stderr), code(output)), ("", expected));
+    text(&output.stdout)
+}
+
+fn curves() -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/curves"))
+        .unwrap()
+        .map(|entry| format!("tests/curves/{}", entry.unwrap().file_name().into_string().unwrap()))
+        .collect();
+    names.sort();
+    assert!(names.len() >= 12);
+    names
+}
+
+fn matches_snapshot(name: &str, found: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots").join(name);
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        fs::write(&path, found).unwrap();
+    }
+    let kept = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{name}: {error}; run with UPDATE_SNAPSHOTS=1"));
+    assert_eq!(found, kept, "{name}; if the change is meant, run with UPDATE_SNAPSHOTS=1");
+}
+
+fn library(file: &str, options: &RadiusOptions) -> (Spine, Radius) {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+    let spine = Spine::from_json_str(&text).unwrap();
+    let answer = tubecert::radius(&spine, options).unwrap();
+    (spine, answer)
+}
+
+fn exact(x: f64) -> Rational {
+    rational_from_f64(x).unwrap()
+}
+
+#[test]
+fn answers_are_the_snapshots() {
+    for file in curves() {
+        let stem = Path::new(&file).file_stem().unwrap().to_str().unwrap();
+        for (flags, name) in [
+            (&[][..], format!("{stem}.txt")),
+            (&["--json"], format!("{stem}.json")),
+            (&["--all-terms"], format!("{stem}.all.txt")),
+            (&["--all-terms", "--json"], format!("{stem}.all.json")),
+        ] {
+            let words = [&["radius", &file], flags].concat();
+            matches_snapshot(&name, answer(&run(&words), 0));
+        }
+    }
+}
+
+/// An enclosure as it is spelled.
+#[derive(Deserialize)]
+struct Spelled {
+    lo: Box<RawValue>,
+    hi: Box<RawValue>,
+}
+
+/// Both readings of the printed pair, the decimal and its nearest f64, enclose `e`.
+fn assert_encloses(place: &str, line: &str, e: Enclosure) {
+    let spelled: Spelled = serde_json::from_str(&raw_at(line, place)).unwrap();
+    for (raw, key, bound, below) in [(&spelled.lo, "lo", e.lo, true), (&spelled.hi, "hi", e.hi, false)] {
+        if bound == f64::INFINITY {
+            assert_eq!(raw.get(), "null", "{place} of {line}");
+            continue;
+        }
+        // not the f64 of serde_json, which without its feature float_roundtrip is not always the nearest
+        let (decimal, nearest) = (parse_rational(raw.get()).unwrap(), exact(raw.get().parse().unwrap()));
+        for read in [decimal, nearest] {
+            let outward =
+                if below { compare(&read, &exact(bound)).is_le() } else { compare(&read, &exact(bound)).is_ge() };
+            assert!(outward, "{place}/{key} of {line} against {bound:e}");
+        }
+    }
+}
+
+/// The text of the value at a JSON pointer, as it is spelled.
+fn raw_at(line: &str, pointer: &str) -> String {
+    let mut raw = line.to_string();
+    for key in pointer.split('/').skip(1) {
+        raw = match key.parse::<usize>() {
+            Ok(index) => serde_json::from_str::<Vec<Box<RawValue>>>(&raw).unwrap()[index].get().to_string(),
+            Err(_) => {
+                let members: std::collections::HashMap<String, Box<RawValue>> = serde_json::from_str(&raw).unwrap();
+                members[key].get().to_string()
+            }
+        };
+    }
+    raw
+}
+
+fn assert_json_says(line: &str, spine: &Spine, answer: &Radius) {
+    assert!(line.ends_with('\n') && line.lines().count() == 1);
+    let value: Value = serde_json::from_str(line).unwrap();
+    let mut enclosures = vec![
+        ("/delta", answer.delta),
+        ("/terms/curvature", answer.terms.curvature),
+        ("/terms/body_to_body", answer.terms.body_to_body),
+        ("/terms/end_to_body", answer.terms.end_to_body),
+        ("/terms/end_to_end", answer.terms.end_to_end),
+    ];
+    if let Some(at) = &answer.at {
+        enclosures.push(("/at/t", at.t));
+        enclosures.extend(at.s.map(|s| ("/at/s", s)));
+        enclosures.extend(at.x.iter().flatten().zip(["/at/x/0", "/at/x/1", "/at/x/2"]).map(|(x, place)| (place, *x)));
+    }
+    if let Some(rim) = answer.rim {
+        enclosures.extend([
+            ("/rim/end_to_body", rim.end_to_body),
+            ("/rim/end_to_end", rim.end_to_end),
+            ("/rim/delta", rim.delta),
+        ]);
+    }
+    let printed = line.matches("\"lo\":").count();
+    assert_eq!(printed, enclosures.len(), "every enclosure is compared: {line}");
+    for (place, e) in enclosures {
+        assert_encloses(place, line, e);
+    }
+    assert_eq!(value["limited_by"], answer.limited_by.word());
+    assert_eq!(value["closed"], answer.closed);
+    assert_eq!(value["at"].is_null(), answer.at.is_none());
+    assert_eq!(value["curve"]["digest"], spine.curve().digest());
+    assert_eq!(value["tubecert"], env!("CARGO_PKG_VERSION"));
+}
+
+/// `delta = LO .. HI` of the human text encloses, and is at most a few per cent wider.
+fn assert_text_says(text: &str, delta: Enclosure) {
+    let line = text.lines().next().unwrap().strip_suffix("        (file units)").unwrap();
+    let bounds = match line.strip_prefix("delta = ") {
+        Some("infinity") => return assert_eq!(delta, Enclosure::INFINITE),
+        Some(bounds) => bounds,
+        None => panic!("{line}"),
+    };
+    let (lo, hi) = bounds.split_once(" .. ").unwrap_or((bounds, bounds));
+    let (lo, hi) = (parse_rational(lo).unwrap(), parse_rational(hi).unwrap());
+    assert!(compare(&lo, &exact(delta.lo)).is_le() && compare(&hi, &exact(delta.hi)).is_ge(), "{text}");
+    let allowed = exact(1.1) * (exact(delta.hi) - exact(delta.lo));
+    assert!(compare(&(hi - lo), &allowed).is_le(), "{text}");
+}
+
+#[test]
+fn everything_printed_is_true_read_either_way() {
+    for file in curves() {
+        let options = RadiusOptions::new;
+        for (flags, options) in [
+            (&["--max-cells", "1"][..], options().max_cells(1)),
+            (&["--max-cells", "300"], options().max_cells(300)),
+            (&["--rel-width", "0.01"], options().rel_width(0.01)),
+            (&["--all-terms"], options().all_terms(true)),
+            (&[], options()),
+        ] {
+            let (spine, expected) = library(&file, &options);
+            let exit = if expected.complete { 0 } else { 3 };
+            let words = [&["radius", &file], flags].concat();
+            assert_json_says(answer(&run(&[&words[..], &["--json"]].concat()), exit), &spine, &expected);
+            let human = run(&words);
+            if expected.delta.hi.is_finite() || expected.complete {
+                assert_text_says(answer(&human, exit), expected.delta);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_keys_stand_in_the_order_of_the_contract() {
+    let output = run(&["radius", "tests/curves/m98_5_2.json", "--json"]);
+    let line = answer(&output, 0);
+    let order = [
+        "schema",
+        "command",
+        "tubecert",
+        "curve",
+        "name",
+        "digest",
+        "unit",
+        "delta",
+        "limited_by",
+        "also",
+        "closed",
+        "at",
+        "s",
+        "t",
+        "x",
+        "end",
+        "terms",
+        "curvature",
+        "body_to_body",
+        "end_to_body",
+        "end_to_end",
+    ];
+    let mut rest = line;
+    for key in order {
+        let quoted = format!("\"{key}\":");
+        let (_, after) = rest.split_once(&quoted).unwrap_or_else(|| panic!("{key} out of order in {line}"));
+        rest = after;
+    }
+}
+
+#[test]
+fn stopping_early_is_told_by_the_exit_code_and_stays_true() {
+    let (_, narrow) = library("tests/curves/m98_5_2.json", &RadiusOptions::new());
+    let stopped = run(&["radius", "tests/curves/m98_5_2.json", "--max-cells", "1", "--json"]);
+    let value: Value = serde_json::from_str(answer(&stopped, 3)).unwrap();
+    assert_eq!(value["limited_by"], "undecided");
+    assert!(value["delta"]["lo"].as_f64().unwrap() <= narrow.delta.lo);
+    assert!(value["delta"]["hi"].as_f64().is_none_or(|hi| hi >= narrow.delta.hi));
+    let stopped = run(&["radius", "tests/curves/m98_5_2.json", "--max-cells", "1"]);
+    assert!(answer(&stopped, 3).contains("raise --max-cells (now 1)"));
+    // asked for less, the same work is enough
+    let wide = run(&["radius", "tests/curves/m98_5_2.json", "--rel-width", "0.5"]);
+    answer(&wide, 0);
+    let late = run(&["radius", "tests/curves/circle_exact.json", "--budget", "1e-9", "--rel-width", "1e-12"]);
+    assert!(answer(&late, 3).contains("raise --budget"));
+}
+
+/// delta = 0 and its place, unit and escapes, from standard input.
+#[test]
+fn special_answers_read_well() {
+    let corner = br#"{"degree": 1, "control_points": [[0, 0], [1, 0], [1, 1]], "knots": [0, 0, 1, 3, 3], "unit": "mm\u001b[31m"}"#;
+    assert_eq!(
+        answer(&fed(&["radius", "-"], corner), 0),
+        "delta = 0        (mm?[31m)\nlimited by corner: the tangent jumps at t = 1\n\
+         no positive radius is free of self-intersection\n"
+    );
+    let value: Value = serde_json::from_str(answer(&fed(&["radius", "-", "--json"], corner), 0)).unwrap();
+    assert_eq!((&value["delta"]["hi"], &value["at"]["t"]["lo"]), (&0.into(), &1.into()));
+    assert_eq!((&value["unit"], &value["at"]["s"]), (&"mm\u{1b}[31m".into(), &Value::Null));
+    let drop = br#"{"degree": 3, "control_points": [[0, 0], [2, 1], [-2, 1], [0, 0]]}"#;
+    assert!(
+        answer(&fed(&["radius", "-"], drop), 0)
+            .contains("limited by corner: the ends meet, at t = 0, without a common tangent")
+    );
+    let line = answer(&run(&["radius", "tests/curves/straight_line.json", "--json"]), 0).to_string();
+    assert!(line.contains(r#""delta":{"lo":null,"hi":null},"limited_by":"none","also":[],"closed":false,"at":null"#));
+}
+
+/// What f64 does not reach: the places are left out, as -infinity has no spelling.
+#[test]
+fn huge_numbers_are_not_called_infinite() {
+    let huge = br#"{"degree": 2, "control_points": [["-1e400", 0], [0, 0], [0, "1e400"]]}"#;
+    let output = fed(&["radius", "-", "--json"], huge);
+    let value: Value = serde_json::from_str(text(&output.stdout)).unwrap();
+    assert!(value["delta"]["lo"].is_number(), "{value}");
+    let far = br#"{"degree": 2, "control_points": [[0, 0], [1, 2], [2, 0]], "knots": ["-1e400", "-1e400", "-1e400", "-1e399", "-1e399", "-1e399"]}"#;
+    let output = fed(&["radius", "-", "--json"], far);
+    let value: Value = serde_json::from_str(answer(&output, 0)).unwrap();
+    assert_eq!(value["at"], Value::Null);
+    assert!(answer(&fed(&["radius", "-"], far), 0).contains("at a place too far out to print"));
+}
+
+/// kind, key, index, offset of the JSON error, whose file is `-`.
+fn refused(input: &[u8]) -> Value {
+    let output = fed(&["radius", "-", "--json"], input);
+    let value: Value = serde_json::from_str(answer(&output, 2)).unwrap();
+    let error = &value["error"];
+    assert_eq!((&value["schema"], &error["file"]), (&1.into(), &"-".into()));
+    assert!(!error["message"].as_str().unwrap().is_empty());
+    let human = fed(&["radius", "-"], input);
+    assert_eq!((text(&human.stdout), code(&human)), ("", 2));
+    let stderr = text(&human.stderr);
+    assert!(stderr.starts_with(&format!("error: {}", error["message"].as_str().unwrap())), "{stderr}");
+    assert!(stderr.contains("\n  at standard input"), "{stderr}");
+    assert_eq!(stderr.contains("\nhelp: "), error["help"].is_string(), "{stderr}");
+    json!([error["kind"], error["key"], error["index"], error["offset"]])
+}
+
+#[test]
+fn bad_files_are_errors_with_their_place() {
+    assert_eq!(refused(b""), json!(["syntax", null, null, 0]));
+    assert_eq!(refused(b"{\"degree\": 1,}"), json!(["syntax", null, null, 13]));
+    assert_eq!(refused(b"{} \xff"), json!(["syntax", null, null, 3]));
+    assert_eq!(refused(b"{\"degree\": NaN}"), json!(["syntax", null, null, 11]));
+    assert_eq!(refused(b"{\"degre\": 1}"), json!(["unknown_key", "degre", null, 1]));
+    let knots = br#"{"degree": 1, "control_points": [[0, 0], [1, 0]], "knots": [0, 1, 0, 1]}"#;
+    assert_eq!(refused(knots), json!(["knot_order", "knots", 2, null]));
+    let doubled = br#"{"degree": 2, "control_points": [[0, 0], [0, 0], [1, 0]]}"#;
+    assert_eq!(refused(doubled), json!(["irregular", "control_points", 1, null]));
+    let deep = vec![b'['; 10_000_000];
+    assert_eq!(refused(&deep), json!(["limit", null, null, 16]));
+}
+
+#[test]
+fn unreadable_files_are_errors() {
+    for (file, words) in [("tests/no_such_file.json", "No such file"), ("tests", "directory")] {
+        let output = run(&["radius", file]);
+        assert_eq!((text(&output.stdout), code(&output)), ("", 2));
+        let stderr = text(&output.stderr);
+        assert!(stderr.contains(words) && stderr.contains(file) && stderr.contains("\nhelp: "), "{stderr}");
+        let output = run(&["radius", "--json", file]);
+        let value: Value = serde_json::from_str(answer(&output, 2)).unwrap();
+        assert_eq!((&value["error"]["kind"], &value["error"]["file"]), (&"io".into(), &file.into()));
+    }
+}
+
+/// A file above the limit is refused by its length, before memory is taken; a stream is read to the limit and no
+/// further. Tested with only so many KiB of memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_limit_of_bytes_holds_before_memory_is_taken() {
+    let long = std::env::temp_dir().join(format!("tubecert-{}.json", std::process::id()));
+    fs::File::create(&long).unwrap().set_len((256 << 20) + 1).unwrap();
+    for (kib, file) in [("150000", long.to_str().unwrap()), ("900000", "-"), ("900000", "/dev/zero")] {
+        let mut limited = Command::new("sh");
+        limited.args([
+            "-c",
+            "ulimit -v $1 && exec \"$0\" radius --json \"$2\"",
+            env!("CARGO_BIN_EXE_tubecert"),
+            kib,
+            file,
+        ]);
+        let output = limited.stdin(fs::File::open("/dev/zero").unwrap()).output().unwrap();
+        let value: Value = serde_json::from_str(answer(&output, 2)).unwrap();
+        assert_eq!(value["error"]["kind"], "limit", "{value}");
+        assert!(value["error"]["message"].as_str().unwrap().contains("268435456"));
+    }
+    fs::remove_file(&long).unwrap();
+}
+
+#[test]
+fn wrong_usage_is_an_error() {
+    let curve = "tests/curves/m98_5_1_parabola.json";
+    for words in [
+        &["radius", curve, "--rel-width", "0"][..],
+        &["radius", curve, "--rel-width", "nan"],
+        &["radius", curve, "--rel-width", "inf"],
+        &["radius", curve, "--rel-width", "-1"],
+        &["radius", curve, "--rel-width", "1"],
+        &["radius", curve, "--rel-width"],
+        &["radius", curve, "--max-cells", "-1"],
+        &["radius", curve, "--max-cells", "1.5"],
+        &["radius", curve, "--budget", "-1"],
+        &["radius", curve, "--budget", "0"],
+        &["radius", curve, "--budget", "inf"],
+        &["radius", curve, "--threads", "2"],
+        &["radius", curve, "--certificate", "c"],
+        &["radius", curve, curve],
+        &["radius"],
+        &["curvature", curve],
+        &["verify", curve, curve],
+        &["completions", "clay-tablet"],
+        &[],
+    ] {
+        let output = run(words);
+        assert_eq!((text(&output.stdout), code(&output)), ("", 2), "{words:?}");
+        assert!(text(&output.stderr).contains("Usage:") || text(&output.stderr).contains("--help"), "{words:?}");
+        let output = run(&[&["--json"], words].concat());
+        let value: Value = serde_json::from_str(answer(&output, 2)).unwrap();
+        let error = &value["error"];
+        assert_eq!((&value["schema"], &error["kind"], &error["file"]), (&1.into(), &"usage".into(), &Value::Null));
+        assert!(!error["message"].as_str().unwrap().contains('\n') && error["help"].is_string());
+    }
+    let output = run(&["radius", curve, "--json", "--rel-width", "0"]);
+    let value: Value = serde_json::from_str(answer(&output, 2)).unwrap();
+    assert_eq!(value["error"]["key"], "--rel-width");
+    // behind -- it is a file name
+    assert_eq!(text(&run(&["radius", "--threads", "--", "--json"]).stdout), "");
+}
+
+#[test]
+fn help_names_what_works_and_nothing_else() {
+    let help =
+        [&["--help"][..], &["radius", "--help"], &["help"]].map(|words| answer(&run(words), 0).to_string()).concat();
+    for word in
+        ["radius", "completions", "--json", "--rel-width", "--all-terms", "--max-cells", "--budget", "--version"]
+    {
+        assert!(help.contains(word), "{word}");
+    }
+    for word in [
+        "curvature",
+        "pairs",
+        "squares",
+        "polyline",
+        "check",
+        "verify",
+        "batch",
+        "report",
+        "--threads",
+        "--certificate",
+    ] {
+        let named = help.split(|c: char| !(c.is_alphanumeric() || c == '-')).any(|found| found == word);
+        assert!(!named, "{word} does not work yet");
+    }
+    assert_eq!(answer(&run(&["--version"]), 0), concat!("tubecert ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[test]
+fn completions_are_printed() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = run(&["completions", shell]);
+        assert!(answer(&script, 0).contains("rel-width"), "{shell}");
+    }
+}
+
+#[test]
+fn a_closed_pipe_ends_quietly() {
+    for words in [&["radius", "tests/curves/m98_5_2.json"][..], &["completions", "bash"], &["--help"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = tubecert(words).stdout(writer).output().unwrap();
+        assert_eq!((text(&output.stderr), code(&output)), ("", 0), "{words:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_answer_that_cannot_be_written_is_no_answer() {
+    let curve = "tests/curves/m98_5_2.json";
+    let full = || fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    for words in [
+        &["radius", curve][..],
+        &["radius", curve, "--json"],
+        &["radius", "nope", "--json"],
+        &["completions", "zsh"],
+        &["--version"],
+    ] {
+        let output = tubecert(words).stdout(full()).output().unwrap();
+        assert_eq!(code(&output), 4, "{words:?}");
+        assert!(text(&output.stderr).starts_with("error: the answer cannot be written"), "{words:?}");
+    }
+    // with no place for the complaint either
+    let output = tubecert(&["radius", curve]).stdout(full()).stderr(full()).output().unwrap();
+    assert_eq!(code(&output), 4);
+    let output = tubecert(&["radius", "nope"]).stderr(full()).output().unwrap();
+    assert_eq!(code(&output), 2);
+}
