@@ -240,11 +240,11 @@ mod tests {
         #[test]
         fn two_tiers_are_one_ring(a in int(), b in int(), s in 0u64..200) {
             let (x, y) = (Int::from(a.clone()), Int::from(b.clone()));
-            prop_assert_eq!((&x + &y), Int::from(&a + &b));
-            prop_assert_eq!((&x - &y), Int::from(&a - &b));
-            prop_assert_eq!((&x * &y), Int::from(&a * &b));
-            prop_assert_eq!((&x << s), Int::from(&a << s));
-            prop_assert_eq!((-&x), Int::from(-&a));
+            prop_assert_eq!(&x + &y, Int::from(&a + &b));
+            prop_assert_eq!(&x - &y, Int::from(&a - &b));
+            prop_assert_eq!(&x * &y, Int::from(&a * &b));
+            prop_assert_eq!(&x << s, Int::from(&a << s));
+            prop_assert_eq!(-&x, Int::from(-&a));
             prop_assert_eq!(x.cmp(&y), a.cmp(&b));
             prop_assert_eq!(gcd(&x, &y), Int::from(num_integer::Integer::gcd(&a, &b)));
             if !y.is_zero() {

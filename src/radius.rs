@@ -151,7 +151,7 @@ pub struct Radius {
     pub at: Option<Location>,
     /// The four terms. A term that cannot bind may have an infinite `hi` unless all terms were asked for.
     pub terms: Terms,
-    /// The rim terms, if all terms were asked for and the spine is open.
+    /// The rim terms, if all terms were asked for; those of the ends are infinite on a closed spine.
     pub rim: Option<Rim>,
     /// Was everything enclosed as narrowly as asked?
     pub complete: bool,
@@ -294,6 +294,12 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
         });
     }
     Ok(Job::new(&frame, options).run(spine))
+}
+
+fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
+    let all = [terms.curvature, terms.body_to_body, end_to_body, end_to_end];
+    let least = |pick: fn(&Enclosure) -> f64| all.iter().map(pick).fold(f64::INFINITY, f64::min);
+    Rim { end_to_body, end_to_end, delta: Enclosure { lo: least(|e| e.lo), hi: least(|e| e.hi) } }
 }
 
 /// delta = 0, proved.
@@ -466,6 +472,7 @@ impl<'a> Job<'a> {
             Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
         let mut complete = terms.body_to_body.is_within(width);
         if self.frame.closed {
+            *rim = Some(rim_of(terms, Enclosure::INFINITE, Enclosure::INFINITE));
             return complete;
         }
         let (start, finish) = (self.exact.end(false), self.exact.end(true));
@@ -490,10 +497,7 @@ impl<'a> Job<'a> {
         };
         terms.end_to_end = both_ends(Of::Disks);
         let rim_ends = both_ends(Of::Rims);
-        let of_rims = [terms.curvature, terms.body_to_body, rim_body, rim_ends];
-        let least = |pick: fn(&Enclosure) -> f64| of_rims.iter().map(pick).fold(f64::INFINITY, f64::min);
-        let delta = Enclosure { lo: least(|e| e.lo), hi: least(|e| e.hi) };
-        *rim = Some(Rim { end_to_body: rim_body, end_to_end: rim_ends, delta });
+        *rim = Some(rim_of(terms, rim_body, rim_ends));
         complete
     }
 

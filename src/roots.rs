@@ -41,7 +41,7 @@ pub(crate) fn common_zero(polys: &[Vec<Int>]) -> Option<Place> {
     match bisect(start(polys.to_vec()), PATIENCE) {
         Ok(answer) => answer,
         Err(()) => {
-            let common = polys.iter().map(|p| to_power(p)).reduce(|a, b| poly_gcd(a, b)).unwrap_or_default();
+            let common = polys.iter().map(|p| to_power(p)).reduce(poly_gcd).unwrap_or_default();
             if common.is_empty() {
                 return Some(Place { index: Int::ZERO, depth: 0, exact: true });
             }
@@ -65,10 +65,10 @@ fn bisect(start: (Vec<Vec<Int>>, Int, u32), patience: u32) -> Result<Option<Plac
                 return Ok(Some(Place { index: &index + &Int::from(at), depth, exact: true }));
             }
         }
-        if let [p] = &polys[..] {
-            if p[0].sign() != p[p.len() - 1].sign() {
-                return Ok(Some(Place { index, depth, exact: false }));
-            }
+        if let [p] = &polys[..]
+            && p[0].sign() != p[p.len() - 1].sign()
+        {
+            return Ok(Some(Place { index, depth, exact: false }));
         }
         if depth >= patience {
             stuck = true;

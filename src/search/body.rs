@@ -377,7 +377,7 @@ fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
 /// Is q.T of one strict sign for q in the ball (q0, spread) and T in the cone of the node?
 fn tilted(q0: &V3, length: f64, spread: f64, node: &Node) -> bool {
     let sin_ball = spread / length * (1.0 + ROUNDING) + ROUNDING;
-    if !(sin_ball < node.cone.cos) {
+    if sin_ball.is_nan() || sin_ball >= node.cone.cos {
         return false;
     }
     // |cos(angle of q0 and axis)| > sin(alpha + beta), with alpha + beta < 90 degrees as cos(alpha) > sin(beta)

@@ -274,13 +274,13 @@ fn span_cell(frame: &Frame, segment: usize) -> Cell {
         p: vec![],
         p_err: 0.0,
     };
-    cell.from_exact(frame);
+    cell.reload(frame);
     cell
 }
 
 impl Cell {
     /// Fills r, w and a from the exact arc: every entry within UNIT of the largest of its kind.
-    fn from_exact(&mut self, frame: &Frame) {
+    fn reload(&mut self, frame: &Frame) {
         let whole = &frame.segments[self.segment];
         let k = i64::from(self.depth);
         let arc;
@@ -377,8 +377,8 @@ impl Cell {
         let lightest = self.w.iter().copied().fold(f64::INFINITY, f64::min);
         // the hodograph of a cell is to keep at least 20 bits, a positive weight too
         let worn = self.a_err * 1e6 > shortest || (lightest > 0.0 && self.w_err * 1e6 > lightest);
-        if worn && self.depth > 0 && self.depth % 4 == 0 {
-            self.from_exact(frame);
+        if worn && self.depth > 0 && self.depth.is_multiple_of(4) {
+            self.reload(frame);
         }
         if self.w.is_empty() {
             self.p.clone_from(&self.r);
