@@ -238,7 +238,7 @@ impl Cone {
     /// Is every vector of one at less than 90 degrees to every vector of the other?
     pub(crate) fn within_90_degrees_of(&self, other: &Self) -> bool {
         // angle + alpha + beta < 90 degrees iff cos(angle + alpha) > sin(beta), the left angle below 90 degrees
-        self.about(&other.axis) > other.sin() + ROUNDING
+        other.cos > 0.0 && self.about(&other.axis) > other.sin() + ROUNDING
     }
 
     /// The sine of the half angle, from above.
