@@ -9,6 +9,8 @@ use shapes::*;
 use tubecert::{Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, radius};
 
 const WIDTH: f64 = 1e-9;
+/// Far more than any of these curves needs, so that a search that does not end fails in seconds.
+const CELLS: u64 = 1_000_000;
 
 fn file(name: &str) -> Curve {
     let path = format!("{}/tests/curves/{name}.json", env!("CARGO_MANIFEST_DIR"));
@@ -16,10 +18,10 @@ fn file(name: &str) -> Curve {
     Curve::from_json_str(&text).unwrap_or_else(|e| panic!("{path}: {e:?}"))
 }
 
-/// The answer with default options, narrow and within the oracle; `share` is what sampling may miss.
+/// The answer, of the default width, and within the oracle; `share` is what sampling may miss.
 fn answer(curve: &Curve, share: f64) -> Radius {
     let spine = Spine::from_curve(curve.clone()).expect("a spine");
-    let answer = radius(&spine, &RadiusOptions::new()).expect("an answer");
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");
     let text = curve.to_json();
     assert!(answer.complete, "not complete: {answer:?}\n{text}");
     assert!(answer.delta.is_within(WIDTH), "too wide: {answer:?}\n{text}");
@@ -31,12 +33,25 @@ fn answer(curve: &Curve, share: f64) -> Radius {
     answer
 }
 
-/// delta is this rational, by this term.
-fn exactly(curve: &Curve, delta: &Rational, by: LimitedBy) -> Radius {
+/// delta is this rational. Any term may be named where all bind at once.
+fn all_at_once(curve: &Curve, delta: &Rational) -> Radius {
     let answer = answer(curve, 1e-6);
     let (lo, hi) = (oracle::exact(answer.delta.lo), oracle::exact(answer.delta.hi));
     assert!(lo <= *delta && *delta <= hi, "delta = {delta} is not in {answer:?}\n{}", curve.to_json());
-    assert_eq!(answer.limited_by, by, "{answer:?}");
+    answer
+}
+
+/// delta is this rational, by this term.
+fn exactly(curve: &Curve, delta: &Rational, by: LimitedBy) -> Radius {
+    let answer = all_at_once(curve, delta);
+    assert_eq!(answer.limited_by, by, "{answer:?}\n{}", curve.to_json());
+    answer
+}
+
+/// delta is this rational, by this term and perhaps by others: end disks in one plane are a doubly critical pair too.
+fn among(curve: &Curve, delta: &Rational, by: LimitedBy) -> Radius {
+    let answer = all_at_once(curve, delta);
+    assert!(answer.limited_by == by || answer.also.contains(&by), "{answer:?}\n{}", curve.to_json());
     answer
 }
 
@@ -100,13 +115,6 @@ fn straight_lines_have_no_bound() {
     }
 }
 
-/// Any term may be named where all bind at once.
-fn all_at_once(curve: &Curve, delta: &Rational) {
-    let answer = answer(curve, 1e-6);
-    let (lo, hi) = (oracle::exact(answer.delta.lo), oracle::exact(answer.delta.hi));
-    assert!(lo <= *delta && *delta <= hi, "delta = {delta} is not in {answer:?}\n{}", curve.to_json());
-}
-
 #[test]
 fn arcs_of_circles() {
     for quarters in 1..=3 {
@@ -159,16 +167,16 @@ fn strands_that_pass_closely() {
 #[test]
 fn end_disks_in_one_plane() {
     for e in [-1, -3, -6] {
-        exactly(&bulb(power(10, e)), &power(10, e), LimitedBy::EndToEnd);
+        among(&bulb(power(10, e)), &power(10, e), LimitedBy::EndToEnd);
     }
-    exactly(&rotated(&bulb(q(1, 10)), [3, 1, -2, 5]), &q(1, 10), LimitedBy::EndToEnd);
+    among(&rotated(&bulb(q(1, 10)), [3, 1, -2, 5]), &q(1, 10), LimitedBy::EndToEnd);
 }
 
 #[test]
 fn end_disk_in_the_plane_of_a_disk_of_the_body() {
     for e in [-1, -3, -6] {
-        exactly(&faced(power(10, e)), &power(10, e), LimitedBy::EndToBody);
-        exactly(&reversed(&faced(power(10, e))), &power(10, e), LimitedBy::EndToBody);
+        among(&faced(power(10, e)), &power(10, e), LimitedBy::EndToBody);
+        among(&reversed(&faced(power(10, e))), &power(10, e), LimitedBy::EndToBody);
     }
 }
 
@@ -179,7 +187,8 @@ fn critical_pair_at_knots() {
 }
 
 fn touching(curve: &Curve, by: LimitedBy) {
-    let answer = answer(curve, 0.0);
+    let spine = Spine::from_curve(curve.clone()).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");
     assert_eq!(
         (answer.delta.lo, answer.delta.hi, answer.limited_by),
         (0.0, 0.0, by),
