@@ -29,7 +29,7 @@ fn answer(curve: &Curve, share: f64) -> Radius {
     assert_eq!(answer.closed, oracle.closed && answer.limited_by != LimitedBy::Corner, "{text}");
     let sampled = oracle.sample(400);
     not_above(&answer, &sampled).unwrap_or_else(|e| panic!("UNSOUND lower bound: {e}\n{answer:?}\n{text}"));
-    reaches(&answer, &sampled, share).unwrap_or_else(|e| panic!("upper bound: {e}\n{answer:?}\n{text}"));
+    reaches(&answer, &sampled, share, 0.0).unwrap_or_else(|e| panic!("upper bound: {e}\n{answer:?}\n{text}"));
     answer
 }
 
