@@ -1,0 +1,336 @@
+//! delta of curves for which it is known: published, constructed, or found to many digits by sampling. Each answer is
+//! also held against the oracle, exactly from above.
+
+mod oracle;
+mod shapes;
+
+use oracle::{Oracle, not_above, reaches};
+use shapes::*;
+use tubecert::{Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, radius};
+
+const WIDTH: f64 = 1e-9;
+/// Far more than any of these curves needs, so that a search that does not end fails in seconds.
+const CELLS: u64 = 1_000_000;
+
+fn file(name: &str) -> Curve {
+    let path = format!("{}/tests/curves/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    Curve::from_json_str(&text).unwrap_or_else(|e| panic!("{path}: {e:?}"))
+}
+
+/// The answer, of the default width, and within the oracle; `share` is what sampling may miss.
+fn answer(curve: &Curve, share: f64) -> Radius {
+    let spine = Spine::from_curve(curve.clone()).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");
+    let text = curve.to_json();
+    assert!(answer.complete, "not complete: {answer:?}\n{text}");
+    assert!(answer.delta.is_within(WIDTH), "too wide: {answer:?}\n{text}");
+    let oracle = Oracle::of(&spine);
+    assert_eq!(answer.closed, oracle.closed && answer.limited_by != LimitedBy::Corner, "{text}");
+    let sampled = oracle.sample(400);
+    not_above(&answer, &sampled).unwrap_or_else(|e| panic!("UNSOUND lower bound: {e}\n{answer:?}\n{text}"));
+    reaches(&answer, &sampled, share, 0.0).unwrap_or_else(|e| panic!("upper bound: {e}\n{answer:?}\n{text}"));
+    answer
+}
+
+/// delta is this rational. Any term may be named where all bind at once.
+fn all_at_once(curve: &Curve, delta: &Rational) -> Radius {
+    let answer = answer(curve, 1e-6);
+    let (lo, hi) = (oracle::exact(answer.delta.lo), oracle::exact(answer.delta.hi));
+    assert!(lo <= *delta && *delta <= hi, "delta = {delta} is not in {answer:?}\n{}", curve.to_json());
+    answer
+}
+
+/// delta is this rational, by this term.
+fn exactly(curve: &Curve, delta: &Rational, by: LimitedBy) -> Radius {
+    let answer = all_at_once(curve, delta);
+    assert_eq!(answer.limited_by, by, "{answer:?}\n{}", curve.to_json());
+    answer
+}
+
+/// delta is this rational, by this term and perhaps by others: end disks in one plane are a doubly critical pair too.
+fn among(curve: &Curve, delta: &Rational, by: LimitedBy) -> Radius {
+    let answer = all_at_once(curve, delta);
+    assert!(answer.limited_by == by || answer.also.contains(&by), "{answer:?}\n{}", curve.to_json());
+    answer
+}
+
+/// delta agrees with a decimal in all the digits given.
+fn printed(name: &str, delta: &str, by: LimitedBy) -> Radius {
+    let answer = answer(&file(name), 1e-6);
+    let value: f64 = delta.parse().expect("a decimal");
+    let digits = delta.split_once('.').map_or(0, |(_, d)| d.len() as i32);
+    let half = 0.5 * 10f64.powi(-digits);
+    let agrees = answer.delta.lo <= value + half && value - half <= answer.delta.hi;
+    assert!(agrees, "{name}: {answer:?}");
+    assert_eq!(answer.limited_by, by, "{name}: {answer:?}");
+    answer
+}
+
+#[test]
+fn published_curves() {
+    use LimitedBy::{BodyToBody, Curvature, EndToBody};
+    printed("m98_5_1_parabola", "0.500000", Curvature);
+    printed("m98_5_2", "0.0925343", EndToBody);
+    printed("m98_5_3", "0.0205086", Curvature);
+    printed("m98_5_4", "0.0319766", Curvature);
+    printed("m98_5_4_as_printed", "0.0931670", Curvature);
+    printed("m98_5_5_planar", "0.0557522", EndToBody);
+    printed("m98_5_6_1", "4.84424", Curvature);
+    printed("m98_5_6_2", "8.18188", Curvature);
+    printed("trefoil", "0.520235", BodyToBody);
+    printed("pierced_end", "1.353121", EndToBody);
+    exactly(&file("m98_5_1_parabola"), &q(1, 2), Curvature);
+}
+
+/// The ten digits of section 8 of theory.md.
+#[test]
+fn published_curves_to_ten_digits() {
+    printed("m98_5_2", "0.0925342897", LimitedBy::EndToBody);
+    printed("m98_5_5_planar", "0.0557521890", LimitedBy::EndToBody);
+}
+
+#[test]
+fn circle() {
+    let answer = exactly(&file("circle_exact"), &int(1), LimitedBy::Curvature);
+    assert!(answer.closed);
+    exactly(&shapes::circle(4), &int(1), LimitedBy::Curvature);
+}
+
+/// On a circle every antipodal pair is doubly critical at the same radius.
+#[test]
+fn circle_names_its_other_term() {
+    let answer = exactly(&file("circle_exact"), &int(1), LimitedBy::Curvature);
+    assert_eq!(answer.also, [LimitedBy::BodyToBody]);
+}
+
+#[test]
+fn straight_lines_have_no_bound() {
+    let zigzag = bezier_int(&[[0, 0, 0], [3, 3, 3], [5, 5, 5], [9, 9, 9]]);
+    let path = Path::from(plane(int(0), int(0))).line(plane(int(1), int(0))).line(plane(int(5), int(0))).curve();
+    for curve in [file("straight_line"), zigzag, path] {
+        let answer = answer(&curve, 0.0);
+        assert_eq!((answer.delta.lo, answer.delta.hi), (f64::INFINITY, f64::INFINITY));
+        assert_eq!(answer.limited_by, LimitedBy::None);
+    }
+}
+
+#[test]
+fn arcs_of_circles() {
+    for quarters in 1..=3 {
+        all_at_once(&shapes::circle(quarters), &int(1));
+    }
+    all_at_once(&rotated(&shapes::circle(3), [3, 1, -2, 5]), &int(1));
+}
+
+#[test]
+fn hairpins() {
+    for (length, radius) in [(q(1, 10), int(1)), (int(3), int(1)), (int(40), q(1, 7)), (int(1), q(1, 1000))] {
+        all_at_once(&hairpin(length, radius.clone()), &radius);
+    }
+    all_at_once(&rotated(&hairpin(int(3), int(1)), [3, 1, -2, 5]), &int(1));
+}
+
+#[test]
+fn stadiums() {
+    for (length, radius) in [(int(3), int(1)), (int(10), q(1, 7))] {
+        let curve = stadium(length, radius.clone());
+        assert!(Oracle::new(&curve).closed);
+        all_at_once(&curve, &radius);
+    }
+}
+
+#[test]
+fn straight_run_into_a_tight_bend() {
+    for e in [0, -1, -3, -6, -9] {
+        let radius = power(10, e);
+        exactly(&hook(radius.clone()), &radius, LimitedBy::Curvature);
+    }
+}
+
+#[test]
+fn torus_knots_of_forty_spans() {
+    for (turns, around) in [(2, 3), (2, 5), (3, 4)] {
+        let curve = torus_knot(turns, around, 40);
+        assert!(answer(&curve, 1e-6).closed);
+    }
+}
+
+#[test]
+fn strands_that_pass_closely() {
+    for e in [-2, -3, -4, -6, -8] {
+        let c = power(10, e) * q(3, 2);
+        exactly(&alpha(c), &power(10, e), LimitedBy::BodyToBody);
+    }
+}
+
+#[test]
+fn end_disks_in_one_plane() {
+    for e in [-1, -3, -6] {
+        among(&bulb(power(10, e)), &power(10, e), LimitedBy::EndToEnd);
+    }
+    among(&rotated(&bulb(q(1, 10)), [3, 1, -2, 5]), &q(1, 10), LimitedBy::EndToEnd);
+}
+
+#[test]
+fn end_disk_in_the_plane_of_a_disk_of_the_body() {
+    for e in [-1, -3, -6] {
+        among(&faced(power(10, e)), &power(10, e), LimitedBy::EndToBody);
+        among(&reversed(&faced(power(10, e))), &power(10, e), LimitedBy::EndToBody);
+    }
+}
+
+#[test]
+fn critical_pair_at_knots() {
+    exactly(&peanut(q(1, 10)), &q(1, 10), LimitedBy::BodyToBody);
+    exactly(&peanut(q(1, 1000)), &q(1, 1000), LimitedBy::BodyToBody);
+}
+
+fn touching(curve: &Curve, by: LimitedBy) {
+    let spine = Spine::from_curve(curve.clone()).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");
+    assert_eq!(
+        (answer.delta.lo, answer.delta.hi, answer.limited_by),
+        (0.0, 0.0, by),
+        "{answer:?}\n{}",
+        curve.to_json()
+    );
+}
+
+#[test]
+fn corners() {
+    let polyline = Curve::new(
+        1,
+        [[0, 0, 0], [1, 0, 0], [1, 2, 0]].map(|p| p.map(int)).to_vec(),
+        None,
+        Some([0, 0, 1, 2, 2].map(int).to_vec()),
+    );
+    let doubled = Curve::new(
+        2,
+        [[0, 0, 0], [1, 0, 0], [2, 1, 0], [2, 2, 1], [4, 4, 4]].map(|p| p.map(int)).to_vec(),
+        None,
+        Some([0, 0, 0, 1, 1, 2, 2, 2].map(int).to_vec()),
+    );
+    let there_and_back = Path::from(plane(int(0), int(0))).line(plane(int(1), int(0))).line(plane(int(0), int(0)));
+    let drop = bezier_int(&[[0, 0, 0], [3, 1, 0], [-3, 1, 1], [0, 0, 0]]);
+    for curve in [polyline.unwrap(), doubled.unwrap(), there_and_back.curve(), drop] {
+        touching(&curve, LimitedBy::Corner);
+    }
+}
+
+#[test]
+fn circle_twice() {
+    touching(&shapes::circle(8), LimitedBy::SelfContact);
+}
+
+#[test]
+fn circle_and_a_half() {
+    touching(&shapes::circle(6), LimitedBy::SelfContact);
+}
+
+#[test]
+fn crossing_at_knots() {
+    touching(&figure_eight(), LimitedBy::SelfContact);
+}
+
+#[test]
+fn crossing_at_thirds() {
+    touching(&alpha(int(0)), LimitedBy::SelfContact);
+    touching(&rotated(&alpha(int(0)), [3, 1, -2, 5]), LimitedBy::SelfContact);
+}
+
+/// The crossing of a planar cubic at irrational parameters.
+#[test]
+fn crossing_anywhere_in_the_plane() {
+    touching(&bezier_int(&[[0, 0, 0], [7, 5, 0], [-3, 6, 0], [4, 0, 0]]), LimitedBy::SelfContact);
+}
+
+/// The end of the spine lies on its body.
+#[test]
+fn end_on_the_body() {
+    // y = t^2, x = t^3 - t from t = -1 (the crossing) to 3/2
+    let curve =
+        from_powers([&[int(0), int(-1), int(0), int(1)], &[int(0), int(0), int(1)], &[int(0)]], &int(-1), &q(3, 2));
+    touching(&curve, LimitedBy::SelfContact);
+}
+
+#[test]
+fn small_and_far_away() {
+    let far = [power(10, 9), -power(10, 9), power(10, 9)];
+    for name in ["m98_5_2", "m98_5_3", "m98_5_5_planar", "trefoil", "circle_exact"] {
+        let curve = file(name);
+        let plain = answer(&curve, 1e-6);
+        for factor in [power(10, -3), power(10, -9), power(10, 6)] {
+            let answer = answer(&moved(&scaled(&curve, &factor), &far), 1e-6);
+            let (lo, hi) = (oracle::exact(plain.delta.lo) * &factor, oracle::exact(plain.delta.hi) * &factor);
+            assert!(oracle::exact(answer.delta.lo) <= hi && lo <= oracle::exact(answer.delta.hi), "{answer:?}");
+            assert_eq!(answer.limited_by, plain.limited_by);
+        }
+    }
+}
+
+#[test]
+fn extreme_scales() {
+    for name in ["m98_5_2", "m98_5_3", "trefoil", "circle_exact"] {
+        let curve = file(name);
+        let plain = answer(&curve, 1e-6);
+        for e in [-300, 300] {
+            let factor = power(10, e);
+            let answer = answer(&scaled(&curve, &factor), 1e-6);
+            let (lo, hi) = (oracle::exact(plain.delta.lo) * &factor, oracle::exact(plain.delta.hi) * &factor);
+            assert!(oracle::exact(answer.delta.lo) <= hi && lo <= oracle::exact(answer.delta.hi), "{answer:?}");
+        }
+    }
+}
+
+/// Beyond the range of f64 nothing false may be said: the enclosure widens to (0, smallest) or (largest, infinite).
+#[test]
+fn scales_beyond_f64() {
+    for e in [-400, 400] {
+        let spine = Spine::from_curve(scaled(&file("m98_5_2"), &power(10, e))).expect("a spine");
+        let answer = radius(&spine, &RadiusOptions::new()).expect("an answer");
+        let delta = power(10, e) * q(925_342_897, 10_000_000_000);
+        assert!(oracle::exact(answer.delta.lo) <= delta, "{answer:?}");
+        assert!(answer.delta.hi == f64::INFINITY || delta <= oracle::exact(answer.delta.hi), "{answer:?}");
+    }
+}
+
+#[test]
+fn degree_twelve() {
+    let mut raised = file("m98_5_3");
+    while raised.degree() < 12 {
+        raised = elevated(&raised).expect("weights other than 0");
+    }
+    let plain = answer(&file("m98_5_3"), 1e-6);
+    assert!(answer(&raised, 1e-6).delta.meets(&plain.delta));
+    let wild = bezier_int(&[
+        [0, 0, 0],
+        [3, 7, 1],
+        [-5, 4, 9],
+        [8, -6, 2],
+        [4, 9, -7],
+        [-9, 2, 5],
+        [1, -8, 6],
+        [7, 3, -4],
+        [-2, 5, 8],
+        [6, -1, -9],
+        [9, 8, 3],
+        [-4, -7, 7],
+        [2, 6, 5],
+    ]);
+    answer(&wild, 1e-6);
+}
+
+/// An S in the plane, symmetric about its inflection.
+#[test]
+fn planar_s() {
+    for k in [1, 3, 10, 40] {
+        // the ends bend back over the middle as k grows
+        let points = [[-3, 0], [3 * k, 1], [-3 * k, -1], [3, 0]].map(|[x, y]| plane(int(x), int(y)));
+        let curve = bezier(points.to_vec());
+        let spine = Spine::from_curve(curve.clone()).expect("a spine");
+        let answer = radius(&spine, &RadiusOptions::new()).expect("an answer");
+        println!("{k} {answer:?}");
+        not_above(&answer, &Oracle::of(&spine).sample(400)).unwrap();
+    }
+}
