@@ -83,6 +83,14 @@ struct Search<'t, 'f> {
     candidate: Option<Candidate>,
 }
 
+/// Where the quadratic model of |q|^2 in the middle of two cells sees the nearest critical pair.
+struct Model {
+    /// Its parameters, relative to the cells: there the *bent* rule is centred.
+    centre: [f64; 2],
+    /// |q|^2 there.
+    predicted_sq: f64,
+}
+
 type Parts = [Option<(Id, Id)>; 3];
 
 impl Search<'_, '_> {
@@ -122,11 +130,13 @@ impl Search<'_, '_> {
                 return None;
             }
             let apart = spread < 0.25 * length;
-            if apart || narrow {
-                let (centre, slack) = self.refine(i, j);
-                // the bent rule is off by about the third power of the cell: not before that is below its slack
-                let cube = (spread / length).powi(3);
-                if apart && cube < (3.0 * slack).max(1e-2 * self.margin) && self.closed_by_forms(i, j, centre) {
+            if (apart || narrow) && !x.p.is_empty() && !y.p.is_empty() {
+                let model = self.refine(i, j);
+                let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return None };
+                // the bent rule is off by about this: not before that is below what it has to spare
+                let off = spread * (bulge(x) + bulge(y));
+                let spare = model.predicted_sq - 4.0 * self.radius * self.radius;
+                if off < spare.max(1e-2 * self.margin * model.predicted_sq) && self.closed_by_forms(x, y, &model) {
                     return None;
                 }
             }
@@ -171,25 +181,24 @@ impl Search<'_, '_> {
         gap > (2.0 * self.radius * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size
     }
 
-    /// Newton's method from the middle of the two cells, for a candidate. Returns the parameters at which the *bent*
-    /// rule is to be centred, relative to the cells, and what it has to spare there: |q|^2 / 4r^2 - 1 at the critical
-    /// pair that the quadratic model sees.
-    fn refine(&mut self, i: Id, j: Id) -> ([f64; 2], f64) {
+    /// Newton's method from the middle of the two cells, for a candidate; returns its first step.
+    fn refine(&mut self, i: Id, j: Id) -> Model {
         let unit = |c: &Cell| {
             let h = (-f64::from(c.depth)).exp2();
             (c.segment, c.index as f64 * h, h)
         };
-        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return ([0.5; 2], 0.0) };
+        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
+            return Model { centre: [0.5; 2], predicted_sq: 0.0 };
+        };
         let ((cs, s0, hs), (ct, t0, ht)) = (unit(x), unit(y));
         let (mut s, mut t) = (s0 + 0.5 * hs, t0 + 0.5 * ht);
-        let (mut centre, mut predicted_sq) = ([0.5; 2], 0.0);
+        let mut model = Model { centre: [0.5; 2], predicted_sq: 0.0 };
         for round in 0..12 {
             let step = newton_step(&self.tree.evaluate(cs, s), &self.tree.evaluate(ct, t));
             let Some(step) = step else { break };
             if round == 0 {
-                // where the model says that the nearest critical pair is, and how far apart it is there
-                centre = [0.5 + step.ds / hs, 0.5 + step.dt / ht].map(|x| x.clamp(-1.0, 2.0));
-                predicted_sq = step.predicted_sq;
+                model.centre = [0.5 + step.ds / hs, 0.5 + step.dt / ht].map(|x| x.clamp(-1.0, 2.0));
+                model.predicted_sq = step.predicted_sq;
                 let known = self.candidate.map_or(f64::INFINITY, |c| c.radius * (1.0 - self.margin));
                 let wanted = 2.0 * (self.radius * (1.0 + 4.0 * self.margin)).min(known);
                 let promising = step.predicted_sq < wanted * wanted;
@@ -223,7 +232,7 @@ impl Search<'_, '_> {
                 break;
             }
         }
-        (centre, predicted_sq / (4.0 * self.radius * self.radius) - 1.0)
+        model
     }
 
     /// In spans, round the closure if that is shorter.
@@ -234,19 +243,16 @@ impl Search<'_, '_> {
     }
 
     /// Tilt and bent on Bernstein forms of two variables: f64, and exact where f64 cannot tell.
-    fn closed_by_forms(&self, i: Id, j: Id, centre: [f64; 2]) -> bool {
-        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return false };
-        if x.p.is_empty() || y.p.is_empty() {
+    fn closed_by_forms(&self, x: &Cell, y: &Cell, model: &Model) -> bool {
+        if bent(x, y, self.radius, model.centre) == Some(true) {
+            return true;
+        }
+        // f64 is at its end where its radius is no longer small against the slack that is asked for
+        if x.p_err + y.p_err < 1e-3 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return false;
         }
-        let verdict = bent(x, y, self.radius, centre);
-        // f64 is at its end where its radius is no longer small against the slack that is asked for
-        let q = norm(&sub(&x.p[0], &y.p[0]));
-        if verdict == Some(true) || x.p_err + y.p_err < 1e-3 * self.margin * q {
-            return verdict == Some(true);
-        }
         let exact = |c: &Cell| exact_arc(self.tree.frame, c);
-        decide(&exact(x), &exact(y), self.radius, centre)
+        decide(&exact(x), &exact(y), self.radius, model.centre)
     }
 }
 
@@ -419,6 +425,17 @@ pub(crate) fn jacobian(tree: &Tree, pair: &Candidate) -> [[f64; 2]; 2] {
     let q = sub(&a[0], &b[0]);
     let mixed = dot(&a[1], &b[1]);
     [[dot(&a[1], &a[1]) + dot(&q, &a[2]), -mixed], [mixed, dot(&q, &b[2]) - dot(&b[1], &b[1])]]
+}
+
+/// How far the control points are from those of a uniform straight run between the same ends, numerically.
+fn bulge(c: &Cell) -> f64 {
+    let n = c.p.len() - 1;
+    let (first, last) = (&c.p[0], &c.p[n]);
+    let off = |(i, p): (usize, &V3)| {
+        let share = i as f64 / n as f64;
+        norm(&std::array::from_fn(|k| p[k] - (first[k] + share * (last[k] - first[k]))))
+    };
+    c.p.iter().enumerate().map(off).fold(0.0, f64::max)
 }
 
 struct Step {
