@@ -367,8 +367,13 @@ impl<'a> Job<'a> {
         if !self.frame.closed {
             for finish in [false, true] {
                 let (proved, contact) = self.end_to_body(finish, Of::Disks, radius);
-                radius = radius.min(proved);
                 contacts.extend(contact);
+                if contact.is_none() && body.candidate.is_some() {
+                    // once more from a little above, only to see whether a contact ties with the body term
+                    let above = (radius * (1.0 + 4.0 * self.margin)).min(bend);
+                    contacts.extend(self.end_to_body(finish, Of::Disks, above).1);
+                }
+                radius = radius.min(proved);
             }
         }
         let curved = peak.and_then(|peak| self.exact.curved(&peak));

@@ -298,6 +298,8 @@ impl Search<'_, '_> {
                 if gap(lo) * gap(middle) <= 0.0 { hi = middle } else { lo = middle }
             }
             (lo, self.terms(segment, lo).rho_sq().sqrt())
+        } else if let Some(contact) = self.one_plane(segment, from, h).filter(|_| self.of == Of::Disks) {
+            contact
         } else {
             if [0.0, 0.5, 1.0].iter().all(|x| value(from + x * h) >= self.radius) {
                 return;
@@ -308,6 +310,26 @@ impl Search<'_, '_> {
             self.radius = radius * (1.0 - self.margin);
             self.contact = Some(Contact { finish: self.end.finish, t: (segment, t), radius });
         }
+    }
+
+    /// A point of the cell whose disk lies in the plane of the end disk, and half its distance: rho jumps there, so the
+    /// foot is found by Newton's method for d.q = 0.
+    fn one_plane(&self, segment: usize, from: f64, h: f64) -> Option<(f64, f64)> {
+        let d = &self.end.tangent;
+        let mut t = from + 0.5 * h;
+        for _ in 0..6 {
+            let [c, c1, _] = self.tree.evaluate(segment, t);
+            let q = sub(&c, &self.end.point);
+            let (size, speed) = (norm(&q), norm(&c1));
+            if norm(&cross(d, &c1)) > 1e-6 * speed * norm(d) {
+                return None;
+            }
+            if dot(d, &q).abs() < 1e-14 && size > 1e-12 {
+                return Some((t, 0.5 * size));
+            }
+            t = (t - dot(d, &q) / dot(d, &c1)).clamp(from.max(0.0), (from + h).min(1.0));
+        }
+        None
     }
 
     /// The radius at which the rims meet, and M along the largest coordinate of d x a (its sign, on planar spines).
