@@ -18,4 +18,5 @@ pub use curve::Curve;
 pub use error::{Error, ErrorKind};
 pub use number::Rational;
 pub use radius::{Enclosure, LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms, radius};
+pub use search::meter::Stop;
 pub use spine::Spine;

@@ -6,7 +6,7 @@ use crate::search::body::{self, Candidate};
 use crate::search::curvature;
 use crate::search::ends::{self, Contact, Of};
 use crate::search::frame::{At, Dyadic, Frame};
-use crate::search::meter::{Meter, Progress};
+use crate::search::meter::{Meter, Progress, Stop};
 use crate::search::tree::Tree;
 use crate::search::witness::{Exact, Touch, Witness};
 use crate::spine::Spine;
@@ -157,6 +157,8 @@ pub struct Radius {
     pub complete: bool,
     /// Cells that the searches looked at.
     pub cells: u64,
+    /// Why the searches stopped early, if they did.
+    pub stopped: Option<Stop>,
 }
 
 /// Options of [`radius`].
@@ -291,6 +293,7 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
             rim,
             complete: true,
             cells: 0,
+            stopped: None,
         });
     }
     Ok(Job::new(&frame, options).run(spine))
@@ -316,6 +319,7 @@ fn touching(spine: &Spine, limited_by: LimitedBy, at: Location) -> Radius {
         rim: None,
         complete: true,
         cells: 0,
+        stopped: None,
     }
 }
 
@@ -349,7 +353,7 @@ impl<'a> Job<'a> {
             deadline: options.budget.and_then(|b| Instant::now().checked_add(b)),
             cancel: options.cancel.clone(),
             progress: options.progress.clone(),
-            stopped: false,
+            stopped: None,
         };
         let margin = 0.4 * options.rel_width;
         Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin }
@@ -436,6 +440,7 @@ impl<'a> Job<'a> {
             rim,
             complete,
             cells: self.meter.cells,
+            stopped: self.meter.stopped,
         }
     }
 

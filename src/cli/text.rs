@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_traits::{Signed, Zero};
 use tubecert::number::{exact_text, f64_above, f64_below, rational_from_f64};
-use tubecert::{Enclosure, LimitedBy, Location, Radius, Spine, SpineEnd};
+use tubecert::{Enclosure, LimitedBy, Location, Radius, Spine, SpineEnd, Stop};
 
 use super::Failure;
 use super::args::RadiusArgs;
@@ -95,14 +95,14 @@ fn terms(lines: &mut Vec<String>, answer: &Radius) {
 }
 
 fn advice(answer: &Radius, args: &RadiusArgs) -> String {
-    if answer.delta.lo == 0.0 && answer.delta.hi.is_finite() && answer.cells < args.max_cells {
-        return "neither a self-contact nor a gap could be proved; see whether the spine is meant to touch itself"
-            .into();
-    }
-    let limit = match args.budget {
-        _ if answer.cells >= args.max_cells => format!("raise --max-cells (now {})", args.max_cells),
-        Some(limit) => format!("raise --budget (now {} seconds)", limit.as_secs_f64()),
-        None => format!("raise --rel-width (now {:e})", args.rel_width),
+    let limit = match (answer.stopped, args.budget) {
+        (Some(Stop::MaxCells), _) => format!("raise --max-cells (now {})", args.max_cells),
+        (Some(_), Some(limit)) => format!("raise --budget (now {} seconds)", limit.as_secs_f64()),
+        _ if answer.delta.lo == 0.0 && answer.delta.hi.is_finite() => {
+            return "neither a self-contact nor a gap could be proved; see whether the spine is meant to touch itself"
+                .into();
+        }
+        _ => format!("raise --rel-width (now {:e})", args.rel_width),
     };
     format!("what is printed is true all the same; to have it narrower or complete, {limit}")
 }
