@@ -10,9 +10,10 @@
 //!   multipliers that cancel the Hessian the bound is off by the third power of the cell, so that whole families of
 //!   critical pairs (circles, parallel strands) close at moderate depth.
 
+use super::curvature::golden;
 use super::frame::{ArcForms, Dyadic, ExactForms, Frame};
 use super::meter::Meter;
-use super::tree::{Cell, Id, Node, ROUNDING, SINE_SLACK, Tree, V3, dot, norm, sub};
+use super::tree::{Cell, Cone, Id, Node, ROUNDING, SINE_SLACK, Tree, V3, cross, dot, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
 use crate::enclosure::Interval;
@@ -126,7 +127,7 @@ impl Search<'_, '_> {
         let (split_first, rad) = (a.rad >= b.rad, a.rad.max(b.rad));
         if let (Some(x), Some(y)) = (&a.cell, &b.cell) {
             let floor = x.p_err.max(y.p_err);
-            if self.closed_by_hulls(x, y, &q0) {
+            if self.closed_by_hulls(x, y, &q0, &across(&q0, &a.cone, &b.cone)) {
                 return None;
             }
             let apart = spread < 0.25 * length;
@@ -163,7 +164,7 @@ impl Search<'_, '_> {
     }
 
     /// Tilt and slab on control points: q.T(s) is bilinear in points and hodograph vectors.
-    fn closed_by_hulls(&self, x: &Cell, y: &Cell, q0: &V3) -> bool {
+    fn closed_by_hulls(&self, x: &Cell, y: &Cell, q0: &V3, across: &V3) -> bool {
         if x.p.is_empty() || y.p.is_empty() {
             return false;
         }
@@ -171,14 +172,17 @@ impl Search<'_, '_> {
         if one_side(x, y, x, e) || one_side(x, y, y, e) {
             return true;
         }
-        let range = |c: &Cell, pick: fn(f64, f64) -> f64, from: f64| {
-            c.p.iter().map(|p| dot(&sub(p, &y.p[0]), q0)).fold(from, pick)
-        };
-        let gap = range(x, f64::min, f64::INFINITY) - range(y, f64::max, f64::NEG_INFINITY);
-        let size = norm(q0);
-        // every p - y.p[0] is no longer than the spread of both cells plus |q|: a generous 4 |q0| here
+        // every p - y.p[0] is no longer than this
         let worst = x.p.iter().chain(&y.p).map(|p| norm(&sub(p, &y.p[0]))).fold(0.0f64, f64::max);
-        gap > (2.0 * self.radius * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size
+        let slab = |u: &V3| {
+            let range = |c: &Cell, pick: fn(f64, f64) -> f64, from: f64| {
+                c.p.iter().map(|p| dot(&sub(p, &y.p[0]), u)).fold(from, pick)
+            };
+            let gap = range(x, f64::min, f64::INFINITY) - range(y, f64::max, f64::NEG_INFINITY);
+            let size = norm(u);
+            gap > (2.0 * self.radius * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size
+        };
+        slab(q0) || slab(across)
     }
 
     /// Newton's method from the middle of the two cells, for a candidate; returns its first step.
@@ -219,20 +223,42 @@ impl Search<'_, '_> {
             let settled = still.residual * still.length < 1e-14;
             let contact = settled && self.parameter_gap((cs, s), (ct, t)) > 0.5 * hs.max(ht);
             if contact || (still.residual < 1e-9 && still.length > 1e-13) {
-                let mut radius = 0.5 * still.length;
-                if radius < POLISHED {
-                    // f64 differences no longer give the distance to 12 digits
-                    let pair = Candidate { s: (cs, s), t: (ct, t), radius };
-                    radius = self.exact.half_distance(&pair);
+                let mut pair = Candidate { s: (cs, s), t: (ct, t), radius: 0.5 * still.length };
+                if still.flat {
+                    pair = self.slid(&pair, 0.02 + 4.0 * hs);
                 }
-                if self.candidate.is_none_or(|c| radius < c.radius) {
-                    self.candidate = Some(Candidate { s: (cs, s), t: (ct, t), radius });
-                    self.radius = self.radius.min(radius * (1.0 - self.margin));
+                if pair.radius < POLISHED {
+                    // f64 differences no longer give the distance to 12 digits
+                    pair.radius = self.exact.half_distance(&pair);
+                }
+                if self.candidate.is_none_or(|c| pair.radius < c.radius) {
+                    self.candidate = Some(pair);
+                    self.radius = self.radius.min(pair.radius * (1.0 - self.margin));
                 }
                 break;
             }
         }
         model
+    }
+
+    /// The closest pair near a candidate along a direction in which |q|^2 is all but constant: Newton's method stops
+    /// anywhere on such a stretch, and f64 no longer tells its distances apart if they are small.
+    fn slid(&mut self, pair: &Candidate, reach: f64) -> Candidate {
+        let Self { tree, exact, .. } = self;
+        let exact = std::cell::RefCell::new(exact);
+        let at = |s: f64| {
+            let mut pair = partner(tree, (pair.s.0, s), pair.t)?;
+            if pair.radius < POLISHED {
+                pair.radius = exact.borrow_mut().half_distance(&pair);
+            }
+            Some(pair)
+        };
+        let (s, radius) = golden(|s| at(s).map_or(f64::INFINITY, |p| p.radius), pair.s.1, reach);
+        let critical = |p: &Candidate| {
+            let step = newton_step(&tree.evaluate(p.s.0, p.s.1), &tree.evaluate(p.t.0, p.t.1));
+            step.is_some_and(|step| step.residual * step.length < 1e-12)
+        };
+        at(s).filter(|p| radius < pair.radius && critical(p)).unwrap_or(*pair)
     }
 
     /// In spans, round the closure if that is shorter.
@@ -248,7 +274,7 @@ impl Search<'_, '_> {
             return true;
         }
         // f64 is at its end where its radius is no longer small against the slack that is asked for
-        if x.p_err + y.p_err < 1e-3 * self.margin * model.predicted_sq.max(0.0).sqrt() {
+        if x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return false;
         }
         let exact = |c: &Cell| exact_arc(self.tree.frame, c);
@@ -380,6 +406,16 @@ fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
     true
 }
 
+/// A direction from the second arc to the first that is orthogonal to both, if they are nearly straight.
+fn across(q0: &V3, a: &Cone, b: &Cone) -> V3 {
+    let c = cross(&a.axis, &b.axis);
+    if dot(&c, &c) > 1e-2 {
+        return if dot(&c, q0) < 0.0 { c.map(|x| -x) } else { c };
+    }
+    let along = dot(q0, &a.axis);
+    std::array::from_fn(|k| q0[k] - along * a.axis[k])
+}
+
 /// Is q.T of one strict sign for q in the ball (q0, spread) and T in the cone of the node?
 fn tilted(q0: &V3, length: f64, spread: f64, node: &Node) -> bool {
     let sin_ball = spread / length * (1.0 + ROUNDING) + ROUNDING;
@@ -391,32 +427,34 @@ fn tilted(q0: &V3, length: f64, spread: f64, node: &Node) -> bool {
     dot(q0, &node.cone.axis).abs() / length > node.cone.sin() * cos_ball.min(1.0) + sin_ball + 2.0 * ROUNDING
 }
 
-/// Members of a family of critical pairs (circles, parallel strands) with a simple s: t is solved for, q.C'(t) = 0.
+/// Members of a family of critical pairs (circles, parallel strands) with a simple s.
 pub(crate) fn snapped<'t>(tree: &'t Tree, pair: &'t Candidate) -> impl Iterator<Item = Candidate> + 't {
+    [0.5, 0.0, 1.0, 0.25, 0.75].into_iter().filter_map(|s| partner(tree, (pair.s.0, s), pair.t))
+}
+
+/// The pair of s and the t near a guess with q.C'(t) = 0.
+fn partner(tree: &Tree, s: (usize, f64), guess: (usize, f64)) -> Option<Candidate> {
     let spans = tree.frame.segments.len();
-    [0.5, 0.0, 1.0, 0.25, 0.75].into_iter().filter_map(move |s| {
-        let at_s = tree.evaluate(pair.s.0, s);
-        let (mut segment, mut t) = pair.t;
-        for _ in 0..20 {
-            let at = tree.evaluate(segment, t);
-            let q = sub(&at_s[0], &at[0]);
-            let step = dot(&q, &at[1]) / (dot(&at[1], &at[1]) - dot(&q, &at[2]));
-            if step.abs() < 1e-13 {
-                let candidate = Candidate { s: (pair.s.0, s), t: (segment, t.clamp(0.0, 1.0)), radius: 0.5 * norm(&q) };
-                return Some(candidate);
-            }
-            t += step.clamp(-0.5, 0.5);
-            let wrap = tree.frame.closed;
-            if t > 1.0 + 1e-9 && (segment + 1 < spans || wrap) {
-                (segment, t) = ((segment + 1) % spans, 0.0);
-            } else if t < -1e-9 && (segment > 0 || wrap) {
-                (segment, t) = ((segment + spans - 1) % spans, 1.0);
-            } else if !(-1e-9..=1.0 + 1e-9).contains(&t) {
-                return None;
-            }
+    let wrap = tree.frame.closed;
+    let at_s = tree.evaluate(s.0, s.1);
+    let (mut segment, mut t) = guess;
+    for _ in 0..20 {
+        let at = tree.evaluate(segment, t);
+        let q = sub(&at_s[0], &at[0]);
+        let step = dot(&q, &at[1]) / (dot(&at[1], &at[1]) - dot(&q, &at[2]));
+        if step.abs() < 1e-13 {
+            return Some(Candidate { s, t: (segment, t.clamp(0.0, 1.0)), radius: 0.5 * norm(&q) });
         }
-        None
-    })
+        t += step.clamp(-0.5, 0.5);
+        if t > 1.0 + 1e-9 && (segment + 1 < spans || wrap) {
+            (segment, t) = ((segment + 1) % spans, 0.0);
+        } else if t < -1e-9 && (segment > 0 || wrap) {
+            (segment, t) = ((segment + spans - 1) % spans, 1.0);
+        } else if !(-1e-9..=1.0 + 1e-9).contains(&t) {
+            return None;
+        }
+    }
+    None
 }
 
 /// The derivative of (q.a(s), q.a(t)) at a candidate, up to a positive factor for each row.
@@ -446,6 +484,8 @@ struct Step {
     length: f64,
     /// The larger of |cos(q, T(s))| and |cos(q, T(t))|.
     residual: f64,
+    /// Is the Hessian nearly singular?
+    flat: bool,
 }
 
 /// Newton's step for grad |q|^2 = 0 in arc length, the shortest one where the Hessian is singular.
@@ -466,6 +506,7 @@ fn newton_step(at_s: &[V3; 3], at_t: &[V3; 3]) -> Option<Step> {
     let (ds, dt) = (cos * u - sin * v, sin * u + cos * v);
     let length = norm(&q);
     let step = Step {
+        flat: l1.abs().min(l2.abs()) < 1e-3 * l1.abs().max(l2.abs()),
         ds: ds / vs,
         dt: dt / vt,
         predicted_sq: length * length + gs * ds + gt * dt,
