@@ -237,7 +237,8 @@ fn solve(curve: &Curve) -> Option<(Spine, Radius)> {
 fn within(spine: &Spine, answer: &Radius, count: usize) -> Result<Sampled, String> {
     let oracle = Oracle::of(spine);
     let sampled = oracle.sample(count);
-    if !(answer.delta.lo <= answer.delta.hi) {
+    let ordered = answer.delta.lo <= answer.delta.hi;
+    if !ordered {
         return Err(format!("not an interval: {answer:?}"));
     }
     not_above(answer, &sampled)?;

@@ -111,7 +111,8 @@ fuzz_target!(|data: &[u8]| {
     let sampled = sampler.sample(100);
     oracle::not_above(&answer, &sampled).unwrap_or_else(|e| panic!("{e}\n{answer:?}\n{text}"));
     // the terms are bounds of their own: delta is the least of the four
-    let terms = [&answer.terms.curvature, &answer.terms.body_to_body, &answer.terms.end_to_body, &answer.terms.end_to_end];
+    let terms =
+        [&answer.terms.curvature, &answer.terms.body_to_body, &answer.terms.end_to_body, &answer.terms.end_to_end];
     assert!(terms.iter().all(|e| e.lo <= e.hi), "not an enclosure: {answer:?}\n{text}");
     assert!(terms.iter().all(|e| lo <= e.hi), "delta.lo above a term: {answer:?}\n{text}");
     if let Some(bend) = sampled.bounds.iter().find(|b| matches!(b.why, oracle::Why::Bend { .. })) {

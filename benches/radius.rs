@@ -1,0 +1,48 @@
+//! From a validated spine to delta at the relative width 1e-9. Every answer is checked, so that no figure is a figure
+//! for a wrong one.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use tubecert::{Curve, LimitedBy, Radius, RadiusOptions, Spine, radius};
+
+#[path = "../tests/shapes/mod.rs"]
+mod shapes;
+
+fn file(name: &str) -> Curve {
+    let path = format!("{}/tests/curves/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    Curve::from_json_str(&text).unwrap_or_else(|e| panic!("{path}: {e:?}"))
+}
+
+fn checked(answer: &Radius, delta: f64, by: LimitedBy) {
+    let near = |x: f64| (x - delta).abs() <= 1e-5 * delta;
+    assert!(answer.complete && answer.delta.is_within(1e-9), "{answer:?}");
+    assert!(near(answer.delta.lo) && near(answer.delta.hi) && answer.limited_by == by, "{answer:?}");
+}
+
+fn bench(c: &mut Criterion) {
+    use LimitedBy::{BodyToBody, Curvature, EndToBody};
+    let options = RadiusOptions::new().rel_width(1e-9);
+    let mut group = c.benchmark_group("radius");
+    // the last as sampled by tests/oracle
+    for (name, curve, delta, by) in [
+        ("m98_5_3", file("m98_5_3"), 0.020_508_6, Curvature),
+        ("m98_5_2", file("m98_5_2"), 0.092_534_3, EndToBody),
+        ("trefoil", file("trefoil"), 0.520_235, BodyToBody),
+        ("circle_exact", file("circle_exact"), 1.0, Curvature),
+        ("hairpin", shapes::hairpin(shapes::int(3), shapes::int(1)), 1.0, Curvature),
+        ("torus_knot_40_spans", shapes::torus_knot(2, 3, 40), 0.835_101, BodyToBody),
+    ] {
+        let spine = Spine::from_curve(curve).expect("a spine");
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let answer = radius(black_box(&spine), &options).expect("an answer");
+                checked(&answer, delta, by);
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);
