@@ -1,7 +1,8 @@
 //! The curvature term: 1/kappa > r on the whole spine, by positive Bernstein coefficients of |a|^6 - r^2 |b|^2 w^6 on the
 //! cells of a dyadic partition (theory.md, section 3). No root is isolated, so circles and clusters are no special case.
 
-use super::frame::{Dyadic, Frame};
+use super::dyadic::Dyadic;
+use super::frame::Frame;
 use super::meter::Meter;
 use crate::bernstein::{Form, Scalar, UNIT, Vec3, binomial_error, binomials, dot};
 use crate::enclosure::Interval;
@@ -206,7 +207,7 @@ impl Search<'_> {
         if strips.floor() > self.radius {
             return true;
         }
-        let h = (-f64::from(depth)).exp2();
+        let h = ldexp(1.0, -i64::from(depth));
         let from = index.to_f64_shifted(i64::from(depth));
         for (end, t) in [(0, from), (strips.a.c.len() - 1, from + h)] {
             let last = |n: usize| if end == 0 { 0 } else { n - 1 };

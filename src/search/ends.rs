@@ -9,14 +9,15 @@
 //! polynomial in t. The other rules: |q| > 2r, and Lemma L next to the end.
 
 use super::body::FLOOR;
-use super::body::first_true;
 use super::curvature::golden;
-use super::frame::{Dyadic, Frame};
+use super::dyadic::Dyadic;
+use super::frame::Frame;
 use super::meter::Meter;
+use super::rules::first_true;
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
 use crate::enclosure::Interval;
-use crate::integer::Int;
+use crate::integer::{Int, ldexp};
 use crate::spine::Bezier;
 
 /// A numerical contact of an end disk with the disk at t.
@@ -46,7 +47,7 @@ pub(crate) fn end_to_body(
     meter: &mut Meter,
 ) -> (f64, Option<Contact>) {
     let end = End::new(tree.frame, finish);
-    let planar = of == Of::Rims && super::witness::plane(tree.frame).is_some();
+    let planar = of == Of::Rims && super::contact::plane(tree.frame).is_some();
     let mut search =
         Search { tree, end, of, planar, margin, radius: start.min(1e150), contact: None, reach: vec![], broken: false };
     let mut open = vec![search.tree.root()];
@@ -222,7 +223,7 @@ impl Search<'_, '_> {
         }
         let node = self.tree.node(id);
         let Some(cell) = node.cell.as_ref().filter(|c| !c.p.is_empty()) else { return false };
-        let h = (-f64::from(cell.depth)).exp2();
+        let h = ldexp(1.0, -i64::from(cell.depth));
         let (segment, from) = (cell.segment, cell.index as f64 * h);
         self.climb(segment, from, h);
         let (node, gap) = (self.tree.node(id), self.gap(id));
@@ -272,7 +273,7 @@ impl Search<'_, '_> {
         let r_sq = self.radius * self.radius;
         let worst = |k: f64| -samples.iter().map(|s| s.at(k) - r_sq * s.u).fold(f64::INFINITY, f64::min);
         let (share, _) = golden(worst, 0.5, 0.5);
-        (share * 2f64.powi(30)).round() * 2f64.powi(-30)
+        ldexp(ldexp(share, 30).round(), -30)
     }
 
     /// Looks for a contact in the cell: at its ends and middle, then golden section.

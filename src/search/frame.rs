@@ -3,77 +3,12 @@
 //! x -> (x - origin) 2^scale is exact in integers, so a curve far from the origin or of extreme size meets the f64 tiers
 //! with the same relative precision as any other. Radii found here are scaled back by `Frame::length`.
 
+use super::dyadic::{Dyadic, power_of_two};
 use crate::bernstein::{Form, Scalar, Vec3, cross};
 use crate::integer::{Int, exact_div, gcd};
 use crate::number::Rational;
 use crate::spine::{Bezier, Spine};
-use num_bigint::BigInt;
 use num_rational::Ratio;
-use num_traits::One;
-use std::cmp::Ordering;
-
-/// A dyadic rational m 2^e, exact: local parameters, witnesses and every value at them.
-#[derive(Debug, Clone)]
-pub(crate) struct Dyadic {
-    pub(crate) m: Int,
-    pub(crate) e: i64,
-}
-
-impl Dyadic {
-    pub(crate) const ZERO: Self = Self { m: Int::ZERO, e: 0 };
-    pub(crate) const ONE: Self = Self { m: Int::ONE, e: 0 };
-
-    pub(crate) fn from_f64(x: f64) -> Self {
-        let (m, e) = crate::integer::decompose(x);
-        Self { m: Int::from(m), e }
-    }
-
-    fn aligned(a: &Self, b: &Self) -> (Int, Int, i64) {
-        let e = a.e.min(b.e);
-        (&a.m << (a.e - e) as u64, &b.m << (b.e - e) as u64, e)
-    }
-
-    pub(crate) fn add(&self, other: &Self) -> Self {
-        let (a, b, e) = Self::aligned(self, other);
-        Self { m: &a + &b, e }
-    }
-
-    pub(crate) fn sub(&self, other: &Self) -> Self {
-        let (a, b, e) = Self::aligned(self, other);
-        Self { m: &a - &b, e }
-    }
-
-    pub(crate) fn mul(&self, other: &Self) -> Self {
-        Self { m: &self.m * &other.m, e: self.e + other.e }
-    }
-
-    pub(crate) fn sqr(&self) -> Self {
-        self.mul(self)
-    }
-
-    pub(crate) fn cmp(&self, other: &Self) -> Ordering {
-        let (a, b, _) = Self::aligned(self, other);
-        a.cmp(&b)
-    }
-
-    pub(crate) fn rational(&self) -> Rational {
-        Rational::from(self.m.big()) * power_of_two(self.e)
-    }
-}
-
-impl PartialEq for Dyadic {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-pub(crate) fn dot3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> Dyadic {
-    a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
-}
-
-pub(crate) fn cross3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].mul(&b[j]).sub(&a[j].mul(&b[i])))
-}
 
 /// A point of the spine: a segment and a local parameter in [0, 1].
 #[derive(Debug, Clone, PartialEq)]
@@ -138,14 +73,6 @@ impl Frame {
             return (!t.cmp(&Dyadic::ONE).is_gt()).then_some(At { segment, t });
         }
         Some(At { segment: at.segment, t })
-    }
-}
-
-pub(crate) fn power_of_two(e: i64) -> Rational {
-    if e >= 0 {
-        Rational::from(BigInt::one() << e as u64)
-    } else {
-        Ratio::new_raw(BigInt::one(), BigInt::one() << (-e) as u64)
     }
 }
 
@@ -275,23 +202,6 @@ impl Bezier {
 fn differences(c: &[Int]) -> Vec<Int> {
     let n = Int::from((c.len() - 1) as i64);
     c.windows(2).map(|p| &(&p[1] - &p[0]) * &n).collect()
-}
-
-impl Form<Int> {
-    /// The value of a univariate form at a dyadic t in [0, 1].
-    pub(crate) fn at(&self, t: &Dyadic) -> Dyadic {
-        let t = t.add(&Dyadic::ZERO);
-        let k = -t.e;
-        let rest = &(&Int::ONE << k as u64) - &t.m;
-        // sum of c[j] rest^(d-j) m^j, by Horner from the top, the powers of `rest` alongside
-        let mut sum = Int::ZERO;
-        let mut power = Int::ONE;
-        for c in self.c.iter().rev() {
-            sum = &(&sum * &t.m) + &(c * &power);
-            power = &power * &rest;
-        }
-        Dyadic { m: sum, e: self.exp - k * (self.c.len() as i64 - 1) }
-    }
 }
 
 /// Numerator r, denominator w and hodograph a of an arc.

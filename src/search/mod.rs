@@ -1,9 +1,14 @@
 //! Everything that finds: f64 first, exact where f64 cannot tell, budgets that only widen.
 
 pub(crate) mod body;
+pub(crate) mod contact;
 pub(crate) mod curvature;
+pub(crate) mod dyadic;
 pub(crate) mod ends;
 pub(crate) mod frame;
 pub(crate) mod meter;
+pub(crate) mod newton;
+pub(crate) mod rims;
+pub(crate) mod rules;
 pub(crate) mod tree;
 pub(crate) mod witness;

@@ -1,7 +1,8 @@
 //! The hierarchy of arcs: blocks of spans above, dyadic cells of one span below, each with a ball round the arc and a
 //! cone round its tangents. All f64, every bound with its rounding (docs/rounding.md). Nodes are made when first asked for.
 
-use super::frame::{Dyadic, Frame};
+use super::dyadic::Dyadic;
+use super::frame::Frame;
 use crate::bernstein::UNIT;
 use crate::integer::Int;
 

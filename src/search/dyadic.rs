@@ -1,0 +1,147 @@
+//! Dyadic rationals: local parameters, witnesses and every exact value at them.
+
+use crate::bernstein::Form;
+use crate::integer::{Int, decompose, ldexp};
+use crate::number::Rational;
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::Ratio;
+use num_traits::One;
+use std::cmp::Ordering;
+
+/// A dyadic rational m 2^e, exact: local parameters, witnesses and every value at them.
+#[derive(Debug, Clone)]
+pub(crate) struct Dyadic {
+    pub(crate) m: Int,
+    pub(crate) e: i64,
+}
+
+impl Dyadic {
+    pub(crate) const ZERO: Self = Self { m: Int::ZERO, e: 0 };
+    pub(crate) const ONE: Self = Self { m: Int::ONE, e: 0 };
+
+    pub(crate) fn from_f64(x: f64) -> Self {
+        let (m, e) = crate::integer::decompose(x);
+        Self { m: Int::from(m), e }
+    }
+
+    pub(crate) fn aligned(a: &Self, b: &Self) -> (Int, Int, i64) {
+        let e = a.e.min(b.e);
+        (&a.m << (a.e - e) as u64, &b.m << (b.e - e) as u64, e)
+    }
+
+    pub(crate) fn add(&self, other: &Self) -> Self {
+        let (a, b, e) = Self::aligned(self, other);
+        Self { m: &a + &b, e }
+    }
+
+    pub(crate) fn sub(&self, other: &Self) -> Self {
+        let (a, b, e) = Self::aligned(self, other);
+        Self { m: &a - &b, e }
+    }
+
+    pub(crate) fn mul(&self, other: &Self) -> Self {
+        Self { m: &self.m * &other.m, e: self.e + other.e }
+    }
+
+    pub(crate) fn sqr(&self) -> Self {
+        self.mul(self)
+    }
+
+    pub(crate) fn cmp(&self, other: &Self) -> Ordering {
+        let (a, b, _) = Self::aligned(self, other);
+        a.cmp(&b)
+    }
+
+    pub(crate) fn rational(&self) -> Rational {
+        Rational::from(self.m.big()) * power_of_two(self.e)
+    }
+}
+
+impl PartialEq for Dyadic {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+pub(crate) fn dot3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> Dyadic {
+    a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
+}
+
+pub(crate) fn cross3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].mul(&b[j]).sub(&a[j].mul(&b[i])))
+}
+
+pub(crate) fn power_of_two(e: i64) -> Rational {
+    if e >= 0 {
+        Rational::from(BigInt::one() << e as u64)
+    } else {
+        Ratio::new_raw(BigInt::one(), BigInt::one() << (-e) as u64)
+    }
+}
+
+pub(crate) fn step(j: i64) -> Dyadic {
+    Dyadic { m: Int::ONE, e: -j }
+}
+
+pub(crate) fn truncated(x: &Dyadic, bits: i64) -> Dyadic {
+    if x.e >= -bits {
+        return x.clone();
+    }
+    Dyadic { m: Int::from(x.m.big() >> (-bits - x.e) as u64), e: -bits }
+}
+
+pub(crate) fn decompose_exponent(x: f64) -> i64 {
+    let (m, e) = decompose(x);
+    e + 64 - i64::from(m.unsigned_abs().leading_zeros())
+}
+
+/// num / (den 2^extra) rounded down to a multiple of 2^-bits, where `extra` = `up` - `bits`.
+pub(crate) fn rounded_quotient(num: &Dyadic, den: &Dyadic, up: i64, bits: i64) -> Dyadic {
+    // num / den / 2^(up - bits) = m 2^-bits
+    let shift = num.e - den.e - (up - bits) + bits;
+    let (mut a, mut b) = (num.m.big(), den.m.big());
+    if shift >= 0 {
+        a <<= shift as u64;
+    } else {
+        b <<= (-shift) as u64;
+    }
+    Dyadic { m: Int::from(a.div_floor(&b)), e: -bits }
+}
+
+/// The quotient in f64, numerically.
+pub(crate) fn ratio(num: &Dyadic, den: &Dyadic) -> f64 {
+    let (a, b) = (num.m.bits() as i64, den.m.bits() as i64);
+    ldexp(num.m.to_f64_shifted(a) / den.m.to_f64_shifted(b), a + num.e - b - den.e)
+}
+
+/// A small f64 at or above `near` that satisfies an exact monotone condition.
+pub(crate) fn least_f64(near: f64, holds: impl Fn(&Dyadic) -> bool) -> Option<f64> {
+    let mut r = near * (1.0 - 4.0 * f64::EPSILON);
+    let mut step = f64::EPSILON;
+    for _ in 0..60 {
+        if holds(&Dyadic::from_f64(r)) {
+            return Some(r);
+        }
+        r = (r * (1.0 + step)).next_up();
+        step *= 2.0;
+    }
+    None
+}
+
+impl Form<Int> {
+    /// The value of a univariate form at a dyadic t in [0, 1].
+    pub(crate) fn at(&self, t: &Dyadic) -> Dyadic {
+        let t = t.add(&Dyadic::ZERO);
+        let k = -t.e;
+        let rest = &(&Int::ONE << k as u64) - &t.m;
+        // sum of c[j] rest^(d-j) m^j, by Horner from the top, the powers of `rest` alongside
+        let mut sum = Int::ZERO;
+        let mut power = Int::ONE;
+        for c in self.c.iter().rev() {
+            sum = &(&sum * &t.m) + &(c * &power);
+            power = &power * &rest;
+        }
+        Dyadic { m: sum, e: self.exp - k * (self.c.len() as i64 - 1) }
+    }
+}

@@ -1,0 +1,170 @@
+//! The rules that close a pair of cells; see `body` for what each proves.
+
+use super::dyadic::Dyadic;
+use super::frame::{ArcForms, ExactForms, Frame};
+use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, sub};
+use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
+use crate::enclosure::Interval;
+use crate::integer::Int;
+
+/// The same rules from exact arcs: intervals first, then integers.
+pub(crate) fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> bool {
+    fn run<T: Scalar>(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> Option<bool> {
+        // w(t) / w(s) = ratio 2^exp: here a = r'w - r w' in the scale of r and w
+        let (top, bottom) = (&y.w.c[0], &x.w.c[0]);
+        let (up, down) = (top.bits() as i64, bottom.bits() as i64);
+        let ratio = top.to_f64_shifted(up) / bottom.to_f64_shifted(down);
+        let exp = up + y.w.exp - down - x.w.exp;
+        let first = Form::<T>::line(centre[0] * ratio, (centre[0] - 1.0) * ratio, exp);
+        let second = Form::<T>::line(-centre[1] / ratio, (1.0 - centre[1]) / ratio, -exp).transposed();
+        let (x, mut y) = (x.cast::<T>(), y.cast::<T>());
+        y = ArcForms { r: y.r.map(Form::transposed), w: y.w.transposed(), a: y.a.map(Form::transposed) };
+        let d: Vec3<T> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
+        let (ds, dt) = (form::dot(&d, &x.a), form::dot(&d, &y.a));
+        let plain = stretched(&d, &x.w.mul(&y.w), radius);
+        first_true([&|| ds.one_sign(), &|| dt.one_sign(), &|| plain.positive(), &|| {
+            plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive()
+        }])
+    }
+    run::<Interval>(x, y, radius, centre).unwrap_or_else(|| run::<Int>(x, y, radius, centre) == Some(true))
+}
+
+/// `Some(true)` if a rule says so; `Some(false)` if all surely fail; `None` if the arithmetic cannot tell.
+pub(crate) fn first_true<const N: usize>(rules: [&dyn Fn() -> Option<bool>; N]) -> Option<bool> {
+    let mut sure = true;
+    for rule in rules {
+        match rule() {
+            Some(true) => return Some(true),
+            Some(false) => {}
+            None => sure = false,
+        }
+    }
+    sure.then_some(false)
+}
+
+/// |D|^2 - (2r)^2 (w(s) w(t))^2.
+pub(crate) fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> {
+    let reach = weights.clone().scale(2.0 * radius);
+    form::dot(d, d).sub(&reach.sqr())
+}
+
+/// The *bent* rule in f64 on two cells.
+pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
+    let weights = |c: &Cell| {
+        if c.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&c.w, c.w_err, 0) }
+    };
+    let hodograph = |c: &Cell| -> Vec3<f64> {
+        std::array::from_fn(|k| {
+            let strip: Vec<f64> = c.a.iter().map(|a| a[k]).collect();
+            Form::from_strip(&strip, c.a_err, 0)
+        })
+    };
+    let d = difference(x, y);
+    let (ax, ay) = (hodograph(x), hodograph(y).map(Form::transposed));
+    let plain = stretched(&d, &weights(x).mul(&weights(y).transposed()), radius);
+    // dC/d sigma = pace a / w^2 on a cell, up to O(h^2); the weights at the middle
+    let middle = |c: &Cell| if c.w.is_empty() { 1.0 } else { c.w[c.w.len() / 2] };
+    let pace = |c: &Cell| {
+        let mean: V3 = std::array::from_fn(|k| c.a.iter().map(|a| a[k]).sum::<f64>() / c.a.len() as f64);
+        norm(&sub(&c.p[c.p.len() - 1], &c.p[0])) * (middle(c) * middle(c)) / norm(&mean)
+    };
+    let ratio = middle(y) / middle(x);
+    let (kx, ky) = (-ratio * pace(x), pace(y) / ratio);
+    let first = Form::from_strip(&[-centre[0] * kx, (1.0 - centre[0]) * kx], 0.0, 0);
+    let second = Form::from_strip(&[-centre[1] * ky, (1.0 - centre[1]) * ky], 0.0, 0).transposed();
+    plain.add(&first.mul(&form::dot(&d, &ax))).add(&second.mul(&form::dot(&d, &ay))).positive()
+}
+
+/// D = r(s) w(t) - r(t) w(s), from differences of points so that nothing cancels.
+pub(crate) fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
+    let (n, m) = (x.p.len() - 1, y.p.len() - 1);
+    let (bs, bt) = (binomials(n), binomials(m));
+    let weight = |c: &Cell, i: usize| c.w.get(i).copied().unwrap_or(1.0);
+    let heaviest =
+        |c: &Cell| c.w.iter().copied().fold(f64::NEG_INFINITY, f64::max).max(if c.w.is_empty() { 1.0 } else { 0.0 });
+    let (wx, wy) = (heaviest(x), heaviest(y));
+    std::array::from_fn(|k| {
+        let mut mag = 0.0f64;
+        let mut c = Vec::with_capacity((n + 1) * (m + 1));
+        for i in 0..=n {
+            for j in 0..=m {
+                let d = (x.p[i][k] - y.p[j][k]) * (weight(x, i) * weight(y, j));
+                mag = mag.max(d.abs());
+                c.push(d * (bs[i] * bt[j]));
+            }
+        }
+        let points = (wx + x.w_err) * (wy + y.w_err) * (x.p_err + y.p_err);
+        let gap = x.p.iter().flat_map(|p| y.p.iter().map(move |q| (p[k] - q[k]).abs())).fold(0.0f64, f64::max);
+        let heavy = gap * (x.w_err * (wy + y.w_err) + y.w_err * wx) * 2.0;
+        let rounding = (8.0 * UNIT + binomial_error(n) + binomial_error(m)) * mag;
+        let rad = (points + heavy + rounding) * (1.0 + 1e-6) + 1e-290;
+        Form { ds: n, dt: m, exp: 0, c, norm: Ball { mag: mag + rad, rad } }
+    })
+}
+
+/// Has (p - q).a one strict sign for all control points p of x, q of y and all hodograph vectors a of z? The
+/// coordinates of points are off such that p - q is off by at most `e`.
+pub(crate) fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
+    let base = &y.p[0];
+    let mut side = 0.0f64;
+    let reach = x.p.iter().chain(&y.p).map(|p| dot(&sub(p, base), &sub(p, base))).fold(0.0f64, f64::max).sqrt();
+    for a in &z.a {
+        let range = |c: &Cell| {
+            c.p.iter()
+                .map(|p| dot(&sub(p, base), a))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
+        };
+        let ((l, h), (lo, hi)) = (range(x), range(y));
+        let err = (e * (norm(a) + 2.0 * z.a_err) + 4.0 * reach * z.a_err + ROUNDING * reach * norm(a)) * (1.0 + 1e-9);
+        let now = if l - hi > err {
+            1.0
+        } else if lo - h > err {
+            -1.0
+        } else {
+            return false;
+        };
+        if side * now < 0.0 {
+            return false;
+        }
+        side = now;
+    }
+    true
+}
+
+/// A direction from the second arc to the first that is orthogonal to both, if they are nearly straight.
+pub(crate) fn across(q0: &V3, a: &Cone, b: &Cone) -> V3 {
+    let c = cross(&a.axis, &b.axis);
+    if dot(&c, &c) > 1e-2 {
+        return if dot(&c, q0) < 0.0 { c.map(|x| -x) } else { c };
+    }
+    let along = dot(q0, &a.axis);
+    std::array::from_fn(|k| q0[k] - along * a.axis[k])
+}
+
+/// Is q.T of one strict sign for q in the ball (q0, spread) and T in the cone of the node?
+pub(crate) fn tilted(q0: &V3, length: f64, spread: f64, node: &Node) -> bool {
+    let sin_ball = spread / length * (1.0 + ROUNDING) + ROUNDING;
+    if sin_ball.is_nan() || sin_ball >= node.cone.cos {
+        return false;
+    }
+    // |cos(angle of q0 and axis)| > sin(alpha + beta), with alpha + beta < 90 degrees as cos(alpha) > sin(beta)
+    let cos_ball = (1.0 - sin_ball * sin_ball).max(0.0).sqrt() + SINE_SLACK;
+    dot(q0, &node.cone.axis).abs() / length > node.cone.sin() * cos_ball.min(1.0) + sin_ball + 2.0 * ROUNDING
+}
+
+/// How far the control points are from those of a uniform straight run between the same ends, numerically.
+pub(crate) fn bulge(c: &Cell) -> f64 {
+    let n = c.p.len() - 1;
+    let (first, last) = (&c.p[0], &c.p[n]);
+    let off = |(i, p): (usize, &V3)| {
+        let share = i as f64 / n as f64;
+        norm(&std::array::from_fn(|k| p[k] - (first[k] + share * (last[k] - first[k]))))
+    };
+    c.p.iter().enumerate().map(off).fold(0.0, f64::max)
+}
+
+/// The exact arc of a cell.
+pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
+    let end = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -i64::from(cell.depth) };
+    frame.segments[cell.segment].arc(&end(cell.index), &end(cell.index + 1)).forms()
+}
