@@ -258,28 +258,37 @@ impl<'a> Job<'a> {
             *rim = Some(rim_of(terms, Enclosure::INFINITE, Enclosure::INFINITE));
             return complete;
         }
-        let (start, finish) = (self.exact.end(false), self.exact.end(true));
-        let ends_local = !self.exact.not_local(&start, &finish);
+        let mut all_local = false;
         let mut both = |of: Of| {
-            let (mut lo, mut hi) = (f64::INFINITY, f64::INFINITY);
+            let (mut lo, mut hi, mut met) = (f64::INFINITY, f64::INFINITY, true);
             for side in [false, true] {
-                let (proved, contact) = self.end_to_body(side, of, lo.min(1e6));
+                let (proved, contact) = self.end_to_body(side, of, lo.min(1e9));
+                // then the pair of both ends is local as well
+                all_local |= proved == f64::INFINITY;
                 if proved < lo {
                     lo = proved;
                     hi = contact.and_then(|c| self.contact_above(&c, of)).unwrap_or(f64::INFINITY);
-                    complete &= contact.is_some();
+                    met = contact.is_some();
                 }
             }
-            self.enclosure(lo, hi)
+            let term = self.enclosure(lo, hi);
+            // without a bound above: the least value is at the frontier of the local pairs
+            complete &= term.is_within(width) || (met && hi == f64::INFINITY && self.meter.stopped.is_none());
+            term
         };
         terms.end_to_body = both(Of::Disks);
         let rim_body = both(Of::Rims);
+        let (start, finish) = (self.exact.end(false), self.exact.end(true));
+        let not_local = self.exact.not_local(&start, &finish);
         let mut both_ends = |of: Of| {
-            let met = if ends_local { None } else { self.exact.meeting(&start, &finish, of) };
-            met.map_or(Enclosure::INFINITE, |(lo, hi)| self.enclosure(lo, hi))
+            let met = if all_local { None } else { self.exact.meeting(&start, &finish, of) };
+            let (lo, hi) = met.unwrap_or((f64::INFINITY, f64::INFINITY));
+            // a pair that may be local or not has this value or none
+            self.enclosure(lo, if not_local { hi } else { f64::INFINITY })
         };
         terms.end_to_end = both_ends(Of::Disks);
         let rim_ends = both_ends(Of::Rims);
+        complete &= terms.end_to_end.is_within(width) && rim_ends.is_within(width);
         *rim = Some(rim_of(terms, rim_body, rim_ends));
         complete
     }
@@ -326,7 +335,10 @@ impl<'a> Job<'a> {
     }
 
     fn touch_location(&self, touch: &Touch) -> Location {
-        let between = |[from, to]: &[At; 2]| Enclosure { lo: self.parameter(from).lo, hi: self.parameter(to).hi };
+        let between = |[from, to]: &[At; 2]| {
+            let plain = |at: &At| Enclosure::of(&self.frame.parameter(at));
+            if from == to { self.parameter(from) } else { Enclosure { lo: plain(from).lo, hi: plain(to).hi } }
+        };
         let x = touch.points.as_ref().map(|points| {
             let points: Vec<_> = points.iter().map(|x| self.frame.point(x)).collect();
             [0, 1, 2].map(|k| Enclosure {

@@ -11,6 +11,7 @@
 //!   critical pairs (circles, parallel strands) close at moderate depth.
 
 use super::curvature::golden;
+use super::frame::Frame;
 use super::meter::Meter;
 use super::newton::{Candidate, newton_step, partner};
 use super::rules::{across, bent, bulge, decide, exact_arc, one_side, tilted};
@@ -23,8 +24,8 @@ use std::collections::BinaryHeap;
 /// Below this radius (in the unit box) a search gives up: a self-contact, or undecided.
 pub(crate) const FLOOR: f64 = 1e-13;
 
-/// Above half of every distance in the unit box.
-const BEYOND: f64 = 64.0;
+/// The largest radius that is searched. Far above the unit box: with negative weights a spine may leave it.
+const BEYOND: f64 = 1e150;
 
 #[derive(Debug)]
 pub(crate) struct Outcome {
@@ -60,7 +61,7 @@ pub(crate) fn body_to_body(tree: &mut Tree, start: f64, margin: f64, meter: &mut
             }
         }
     }
-    if search.radius >= BEYOND {
+    if search.radius >= BEYOND && search.tree.extent() < BEYOND {
         search.radius = f64::INFINITY;
     }
     Outcome { radius: search.radius, candidate: search.candidate }
@@ -211,7 +212,7 @@ impl Search<'_, '_> {
             let Some(still) = still else { break };
             // f64 sees q.T to about 1e-15; on the diagonal it vanishes as well, so the parameters have to stay apart
             let settled = still.residual * still.length < 1e-14;
-            let contact = settled && self.parameter_gap((cs, s), (ct, t)) > 0.5 * hs.max(ht);
+            let contact = settled && parameter_gap(self.tree.frame, (cs, s), (ct, t)) > 0.5 * hs.max(ht);
             if contact || (still.residual < 1e-9 && still.length > 1e-13) {
                 let mut pair = Candidate { s: (cs, s), t: (ct, t), radius: 0.5 * still.length };
                 if still.flat {
@@ -234,8 +235,8 @@ impl Search<'_, '_> {
     /// The closest pair near a candidate along a direction in which |q|^2 is all but constant: Newton's method stops
     /// anywhere on such a stretch, and f64 no longer tells its distances apart if they are small.
     fn slid(&mut self, pair: &Candidate, reach: f64) -> Candidate {
-        let Self { tree, exact, .. } = self;
-        let exact = std::cell::RefCell::new(exact);
+        let tree = &*self.tree;
+        let exact = std::cell::RefCell::new(&mut self.exact);
         let at = |s: f64| {
             let mut pair = partner(tree, (pair.s.0, s), pair.t)?;
             if pair.radius < POLISHED {
@@ -248,14 +249,10 @@ impl Search<'_, '_> {
             let step = newton_step(&tree.evaluate(p.s.0, p.s.1), &tree.evaluate(p.t.0, p.t.1));
             step.is_some_and(|step| step.residual * step.length < 1e-12)
         };
-        at(s).filter(|p| radius < pair.radius && critical(p)).unwrap_or(*pair)
-    }
-
-    /// In spans, round the closure if that is shorter.
-    fn parameter_gap(&self, s: (usize, f64), t: (usize, f64)) -> f64 {
-        let gap = (s.0 as f64 - t.0 as f64 + s.1 - t.1).abs();
-        let frame = self.tree.frame;
-        if frame.closed { gap.min(frame.segments.len() as f64 - gap) } else { gap }
+        // on the diagonal the distance is 0: no pair at all
+        let gap = |p: &Candidate| parameter_gap(tree.frame, p.s, p.t);
+        let apart = |p: &Candidate| gap(p) > 0.5 * gap(pair);
+        at(s).filter(|p| radius < pair.radius && apart(p) && critical(p)).unwrap_or(*pair)
     }
 
     /// Tilt and bent on Bernstein forms of two variables: f64, and exact where f64 cannot tell.
@@ -270,4 +267,10 @@ impl Search<'_, '_> {
         let exact = |c: &Cell| exact_arc(self.tree.frame, c);
         decide(&exact(x), &exact(y), self.radius, model.centre)
     }
+}
+
+/// In spans, round the closure if that is shorter.
+fn parameter_gap(frame: &Frame, s: (usize, f64), t: (usize, f64)) -> f64 {
+    let gap = (s.0 as f64 - t.0 as f64 + s.1 - t.1).abs();
+    if frame.closed { gap.min(frame.segments.len() as f64 - gap) } else { gap }
 }

@@ -145,6 +145,21 @@ impl<'a> Tree<'a> {
         Some((left, right))
     }
 
+    /// An upper bound for the distance of the spine from the origin.
+    pub(crate) fn extent(&mut self) -> f64 {
+        let (mut open, mut extent) = (vec![self.root()], 0.0f64);
+        while let Some(id) = open.pop() {
+            let node = self.node(id);
+            let reach = (norm(&node.mid) + node.rad) * (1.0 + ROUNDING);
+            // infinite while the weights of the cell are not surely positive
+            match if reach.is_finite() { None } else { self.children(id) } {
+                Some((left, right)) => open.extend([left, right]),
+                None => extent = extent.max(reach),
+            }
+        }
+        extent
+    }
+
     /// The halves, if they were made already.
     pub(crate) fn known_children(&self, id: Id) -> Option<(Id, Id)> {
         let node = self.node(id);

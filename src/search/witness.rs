@@ -82,6 +82,9 @@ impl<'f> Exact<'f> {
     pub(crate) fn disks(&mut self, contact: &Contact) -> Option<Witness> {
         let end = self.end(contact.finish);
         let at = At { segment: contact.t.0, t: Dyadic::from_f64(contact.t.1) };
+        if distance(self.frame, &end, &at).m.is_zero() {
+            return None; // one point is no pair
+        }
         let (num, den, x) = self.rho_sq(&end, &at)?;
         let radius = least_f64(contact.radius, |r| num.cmp(&r.sqr().mul(&den)).is_le())?;
         Some(Witness { radius, s: Some(end), t: at, x: Some(x) })
