@@ -68,7 +68,7 @@ fn bisect(start: (Vec<Vec<Int>>, Int, u32), patience: u32) -> Result<Option<Plac
         if let [p] = &polys[..]
             && p[0].sign() != p[p.len() - 1].sign()
         {
-            return Ok(Some(Place { index, depth, exact: false }));
+            return Ok(Some(narrowed(p.clone(), index, depth)));
         }
         if depth >= patience {
             stuck = true;
@@ -80,6 +80,22 @@ fn bisect(start: (Vec<Vec<Int>>, Int, u32), patience: u32) -> Result<Option<Plac
         stack.push((left, twice, depth + 1));
     }
     if stuck { Err(()) } else { Ok(None) }
+}
+
+/// Follows a change of sign down to a cell of depth 60, for the message.
+fn narrowed(mut p: Vec<Int>, mut index: Int, mut depth: u32) -> Place {
+    while depth < 60 {
+        let (left, right) = halves(&p);
+        let middle = right[0].sign();
+        let in_left = middle != p[0].sign();
+        index = &(&index << 1) + if in_left { &Int::ZERO } else { &Int::ONE };
+        depth += 1;
+        if middle.is_eq() {
+            return Place { index: &index + &Int::ONE, depth, exact: true };
+        }
+        p = if in_left { left } else { right };
+    }
+    Place { index, depth, exact: false }
 }
 
 fn one_strict_sign(p: &[Int]) -> bool {

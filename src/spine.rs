@@ -287,9 +287,7 @@ fn describe(segment: &Segment, place: &Place) -> String {
     if place.exact {
         format!("at t = {}", crate::number::to_fraction_text(&t))
     } else {
-        let next = &t + &length / Rational::from(BigInt::one() << place.depth);
-        let text = |x: &Rational| crate::number::f64_below(x);
-        format!("between t = {} and t = {}", text(&t), text(&next))
+        format!("near t = {}", crate::number::nearest_text(crate::number::f64_below(&t)))
     }
 }
 

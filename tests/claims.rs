@@ -369,3 +369,23 @@ fn needles() {
         assert!(!answer.complete || answer.delta.hi.is_finite(), "1e-{e}: {answer:?}");
     }
 }
+
+/// One point is no pair: searches that slide along a stretch of critical pairs must not end on the diagonal.
+#[test]
+fn one_segment_round_a_circle() {
+    for text in [
+        r#"{"degree":2,"control_points":[["-4/5","-3/5"],["-5/4",0],["-4/5","3/5"]],"weights":[10,-8,10]}"#,
+        r#"{"degree":4,"control_points":[["-7/25","-24/25"],[1,"-4/3"],["75/43",0],[1,"4/3"],["-7/25","24/25"]],"weights":["25/16","15/16","43/48","15/16","25/16"]}"#,
+        r#"{"degree":6,"control_points":[[-1,0],[-1,-1],["3/5","-16/5"],[3,-1],["17/7","16/7"],[-1,3],[-1,0]],"weights":[4,"8/3","4/3","8/5","28/15","8/3",12]}"#,
+    ] {
+        among(&Curve::from_json_str(text).expect("a curve"), &q(1, 1), LimitedBy::Curvature);
+    }
+}
+
+/// Strands that leave the ends side by side: the closest pair is near both ends, and is not one end twice.
+#[test]
+fn light_bulb() {
+    let curve = Curve::from_json_str(r#"{"degree": 9, "control_points": [[-0.30138325959389956, 0.0], [-0.30138325959389956, 1.0], [-0.29738325959389955, 2.0], [-3.190456692355483, 3.035729041655591], [-3.190456692355483, 9.416642426366558], [3.190456692355483, 9.416642426366558], [3.190456692355483, 3.035729041655591], [0.30138325959389956, 2.0], [0.30138325959389956, 1.0], [0.30138325959389956, 0.0]]}"#).expect("a curve");
+    let answer = answer(&curve, 1e-6);
+    assert!(answer.delta.lo > 0.3013 && answer.delta.hi < 0.3014, "{answer:?}");
+}

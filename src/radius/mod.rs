@@ -47,6 +47,7 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
     if let Some(corner) = &spine.corner {
         return Ok(touching(
             spine,
+            options,
             LimitedBy::Corner,
             Location { s: None, t: Enclosure::of(&spine.segments[corner.joint].from), x: None, end: None },
         ));
@@ -79,7 +80,7 @@ fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
 }
 
 /// delta = 0, proved.
-fn touching(spine: &Spine, limited_by: LimitedBy, at: Location) -> Radius {
+fn touching(spine: &Spine, options: &RadiusOptions, limited_by: LimitedBy, at: Location) -> Radius {
     let zero = Enclosure { lo: 0.0, hi: 0.0 };
     let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
     Radius {
@@ -89,7 +90,7 @@ fn touching(spine: &Spine, limited_by: LimitedBy, at: Location) -> Radius {
         closed: spine.is_closed(),
         at: Some(at),
         terms: Terms { curvature: open, body_to_body: open, end_to_body: open, end_to_end: open },
-        rim: None,
+        rim: options.all_terms.then_some(Rim { end_to_body: open, end_to_end: open, delta: zero }),
         complete: true,
         cells: 0,
         stopped: None,
@@ -134,25 +135,28 @@ impl<'a> Job<'a> {
 
     fn run(mut self, spine: &Spine) -> Radius {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
-        let body = body::body_to_body(&mut self.tree, bend, self.margin, &mut self.meter);
+        // searches start a little above what binds already: a term that ties is met, one that does not is proved above
+        let above = 1.0 + 4.0 * self.margin;
+        let body = body::body_to_body(&mut self.tree, bend * above, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
         if let Some(touch) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
-            return touching(spine, LimitedBy::SelfContact, self.touch_location(&touch));
+            return touching(spine, self.options, LimitedBy::SelfContact, self.touch_location(&touch));
         }
-        let mut radius = bend.min(body.radius);
+        let before_ends = bend.min(body.radius);
+        let mut ends = f64::INFINITY;
         let mut contacts: Vec<Contact> = body.candidate.and_then(|pair| self.end_contact(&pair)).into_iter().collect();
         if !self.frame.closed {
             for finish in [false, true] {
-                let (proved, contact) = self.end_to_body(finish, Of::Disks, radius);
+                let start = before_ends.min(ends);
+                let (mut proved, contact) = self.end_to_body(finish, Of::Disks, start * above);
                 contacts.extend(contact);
-                if contact.is_none() && body.candidate.is_some() {
-                    // once more from a little above, only to see whether a contact ties with the body term
-                    let above = (radius * (1.0 + 4.0 * self.margin)).min(bend);
-                    contacts.extend(self.end_to_body(finish, Of::Disks, above).1);
+                if proved < start && contact.is_none() {
+                    proved = self.end_to_body(finish, Of::Disks, start).0;
                 }
-                radius = radius.min(proved);
+                ends = ends.min(proved);
             }
         }
+        let radius = before_ends.min(ends);
         let curved = peak.and_then(|peak| self.exact.curved(&peak));
         let ceiling = curved.as_ref().map_or(f64::INFINITY, |w| w.radius);
         let mut uppers: Vec<Upper> = vec![];
@@ -168,7 +172,9 @@ impl<'a> Job<'a> {
             uppers.extend(witness.map(|witness| Upper { term: LimitedBy::BodyToBody, witness, end: None }));
         }
         uppers.extend(curved.map(|witness| Upper { term: LimitedBy::Curvature, witness, end: None }));
-        let best = uppers.iter().min_by(|a, b| a.witness.radius.total_cmp(&b.witness.radius));
+        // of witnesses that tie within what is asked, the last: curvature, then body to body
+        let least = uppers.iter().map(|u| u.witness.radius).fold(f64::INFINITY, f64::min);
+        let best = uppers.iter().rfind(|u| u.witness.radius <= least * (1.0 + self.margin));
         let delta = self.enclosure(radius, best.map_or(f64::INFINITY, |u| u.witness.radius));
 
         let mut terms = Terms {
@@ -183,8 +189,10 @@ impl<'a> Job<'a> {
                 let of_term = uppers.iter().filter(|u| u.term == term && u.witness.radius < bend);
                 of_term.map(|u| u.witness.radius).fold(f64::INFINITY, f64::min)
             };
-            terms.end_to_body = self.enclosure(radius, hi(LimitedBy::EndToBody));
-            terms.end_to_end = self.enclosure(radius, hi(LimitedBy::EndToEnd));
+            terms.end_to_body = self.enclosure(ends, hi(LimitedBy::EndToBody));
+            let met = self.exact.meeting(&self.exact.end(false), &self.exact.end(true), Of::Disks);
+            let lo = met.map_or(f64::INFINITY, |(lo, _)| lo);
+            terms.end_to_end = self.enclosure(lo, hi(LimitedBy::EndToEnd));
         }
         let width = self.options.rel_width;
         let narrow = delta.is_within(width);
@@ -202,7 +210,7 @@ impl<'a> Job<'a> {
             (LimitedBy::EndToBody, terms.end_to_body),
             (LimitedBy::EndToEnd, terms.end_to_end),
         ];
-        let meeting = all.into_iter().filter(|(term, e)| *term != limited_by && e.hi.is_finite() && e.meets(&delta));
+        let meeting = all.into_iter().filter(|(term, e)| *term != limited_by && e.meets(&delta));
         Radius {
             delta,
             limited_by,
@@ -267,13 +275,14 @@ impl<'a> Job<'a> {
                 all_local |= proved == f64::INFINITY;
                 if proved < lo {
                     lo = proved;
-                    hi = contact.and_then(|c| self.contact_above(&c, of)).unwrap_or(f64::INFINITY);
+                    hi = hi.min(contact.and_then(|c| self.contact_above(&c, of)).unwrap_or(f64::INFINITY));
                     met = contact.is_some();
                 }
             }
             let term = self.enclosure(lo, hi);
             // without a bound above: the least value is at the frontier of the local pairs
-            complete &= term.is_within(width) || (met && hi == f64::INFINITY && self.meter.stopped.is_none());
+            let frontier = hi == f64::INFINITY && (met || of == Of::Rims);
+            complete &= term.is_within(width) || (frontier && self.meter.stopped.is_none());
             term
         };
         terms.end_to_body = both(Of::Disks);

@@ -1,7 +1,7 @@
 //! The curvature term: 1/kappa > r on the whole spine, by positive Bernstein coefficients of |a|^6 - r^2 |b|^2 w^6 on the
 //! cells of a dyadic partition (theory.md, section 3). No root is isolated, so circles and clusters are no special case.
 
-use super::dyadic::Dyadic;
+use super::dyadic::{Dyadic, dot3, ratio};
 use super::frame::Frame;
 use super::meter::Meter;
 use crate::bernstein::{Form, Scalar, UNIT, Vec3, binomial_error, binomials, dot};
@@ -154,7 +154,12 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
     }
     for (segment, span) in spans.iter().enumerate() {
         let mut open = vec![(span.clone(), 0u32, Int::ZERO)];
-        while let Some((strips, depth, index)) = open.pop() {
+        while let Some((mut strips, depth, index)) = open.pop() {
+            let shortest = strips.a.c.iter().map(length).fold(f64::INFINITY, f64::min);
+            if depth > 0 && depth.is_multiple_of(4) && shortest < 1e6 * strips.a.rad {
+                // rounding has eaten the hodograph: start again from the exact cell
+                strips = Strips::new(&frame.segments[segment].cell(&index, depth));
+            }
             if search.closed(segment, &strips, depth, &index) {
                 continue;
             }
@@ -169,6 +174,18 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
         }
     }
     (search.radius, search.peak)
+}
+
+/// 1/kappa at t from exact values, numerically.
+fn exact_radius(bezier: &Bezier, t: f64) -> Option<f64> {
+    let (forms, b, t) = (bezier.forms(), bezier.binormal(), Dyadic::from_f64(t));
+    let square = |v: &Vec3<Int>| {
+        let v = v.each_ref().map(|f| f.at(&t));
+        dot3(&v, &v)
+    };
+    let (a, w) = (square(&forms.a), forms.w.at(&t));
+    let r = ratio(&a.sqr().mul(&a), &square(&b).mul(&w.sqr().mul(&w).sqr())).sqrt();
+    r.is_finite().then_some(r)
 }
 
 struct Search<'a> {
@@ -196,7 +213,11 @@ impl Search<'_> {
     /// Golden section for the least 1/kappa near t.
     fn climb(&mut self, segment: usize, t: f64, h: f64) {
         let strips = &self.spans[segment];
-        let (t, radius) = golden(|t| strips.radius_at(t), t, h);
+        let (t, mut radius) = golden(|t| strips.radius_at(t), t, h);
+        if length(&strips.a.at(t)) < 1e10 * strips.a.rad {
+            // the hodograph is small against its rounding here
+            radius = exact_radius(&self.frame.segments[segment], t).unwrap_or(radius);
+        }
         if radius * (1.0 - self.margin) < self.radius && radius > 0.0 {
             self.radius = radius * (1.0 - self.margin);
             self.peak = Some(Peak { segment, t, radius });
@@ -213,7 +234,8 @@ impl Search<'_> {
             let last = |n: usize| if end == 0 { 0 } else { n - 1 };
             let (a, b, w) = (&strips.a.c, &strips.b.c, &strips.w.c);
             let here = strips.radius(length(&a[last(a.len())]), length(&b[last(b.len())]), w[last(w.len())][0]);
-            if here < self.radius {
+            // a value that rounding has eaten tells nothing
+            if here < self.radius && length(&a[last(a.len())]) > 1e6 * strips.a.rad {
                 self.climb(segment, t, h);
             }
         }
@@ -226,8 +248,7 @@ impl Search<'_> {
 
     /// The same from the exact arc: intervals, then integers.
     fn closed_exactly(&self, segment: usize, depth: u32, index: &Int) -> bool {
-        let end = |i: Int| Dyadic { m: i, e: -i64::from(depth) };
-        let arc = self.frame.segments[segment].arc(&end(index.clone()), &end(index + &Int::ONE));
+        let arc = self.frame.segments[segment].cell(index, depth);
         let (forms, b) = (arc.forms(), arc.binormal());
         let near = forms.cast::<Interval>();
         let b_near = b.each_ref().map(Interval::cast);

@@ -120,6 +120,9 @@ pub(crate) fn least_f64(near: f64, holds: impl Fn(&Dyadic) -> bool) -> Option<f6
     let mut r = near * (1.0 - 4.0 * f64::EPSILON);
     let mut step = f64::EPSILON;
     for _ in 0..60 {
+        if !r.is_finite() {
+            return None;
+        }
         if holds(&Dyadic::from_f64(r)) {
             return Some(r);
         }

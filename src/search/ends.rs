@@ -10,7 +10,6 @@
 
 use super::body::FLOOR;
 use super::curvature::golden;
-use super::dyadic::Dyadic;
 use super::frame::Frame;
 use super::meter::Meter;
 use super::rules::first_true;
@@ -376,8 +375,7 @@ fn against(cell: &Cell, end: &End) -> Against<f64> {
 }
 
 fn exact_against(frame: &Frame, cell: &Cell, end: &End) -> Against<Int> {
-    let at = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -i64::from(cell.depth) };
-    exact_arc_against(&frame.segments[cell.segment].arc(&at(cell.index), &at(cell.index + 1)), end)
+    exact_arc_against(&frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth), end)
 }
 
 fn exact_arc_against(arc: &Bezier, end: &End) -> Against<Int> {

@@ -125,6 +125,12 @@ fn moved(b: &Bezier, origin: &[Int; 3], scale: i64) -> Bezier {
 }
 
 impl Bezier {
+    /// The arc over [index, index + 1] / 2^depth of the local parameter, exactly.
+    pub(crate) fn cell(&self, index: &Int, depth: u32) -> Self {
+        let end = |m: Int| Dyadic { m, e: -i64::from(depth) };
+        self.arc(&end(index.clone()), &end(index + &Int::ONE))
+    }
+
     /// The arc over [from, to] of the local parameter, exactly.
     pub(crate) fn arc(&self, from: &Dyadic, to: &Dyadic) -> Self {
         // Over the common denominator 2^k: the blossom needs both ends as integers m and the complement 2^k - m.

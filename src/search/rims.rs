@@ -84,10 +84,11 @@ impl Exact<'_> {
     /// Some two tangents of the arc between an end and t are more than 90 degrees apart: the pair is not local.
     pub(crate) fn not_local(&mut self, e: &At, t: &At) -> bool {
         let (low, high) = if *e == self.end(false) { (e, t) } else { (t, e) };
-        let spans = (high.segment - low.segment + 1) as u32;
-        let samples = (96 / spans).clamp(1, 24);
+        // about a hundred tangents, however long the arc: more would find little and cost much
+        let spans = high.segment - low.segment + 1;
+        let samples = (96 / spans.min(96)).clamp(1, 24) as u32;
         let mut tangents = vec![self.hodograph(low), self.hodograph(high)];
-        for segment in low.segment..=high.segment {
+        for segment in (low.segment..=high.segment).step_by(spans / 48 + 1) {
             for i in 0..=samples {
                 let at = At { segment, t: Dyadic::from_f64(f64::from(i) / f64::from(samples)) };
                 let before = segment == low.segment && at.t.cmp(&low.t).is_lt();

@@ -1,6 +1,5 @@
 //! The rules that close a pair of cells; see `body` for what each proves.
 
-use super::dyadic::Dyadic;
 use super::frame::{ArcForms, ExactForms, Frame};
 use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
@@ -165,6 +164,5 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
 
 /// The exact arc of a cell.
 pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
-    let end = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -i64::from(cell.depth) };
-    frame.segments[cell.segment].arc(&end(cell.index), &end(cell.index + 1)).forms()
+    frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth).forms()
 }

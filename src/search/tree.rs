@@ -1,7 +1,6 @@
 //! The hierarchy of arcs: blocks of spans above, dyadic cells of one span below, each with a ball round the arc and a
 //! cone round its tangents. All f64, every bound with its rounding (docs/rounding.md). Nodes are made when first asked for.
 
-use super::dyadic::Dyadic;
 use super::frame::Frame;
 use crate::bernstein::UNIT;
 use crate::integer::Int;
@@ -298,13 +297,11 @@ impl Cell {
     /// Fills r, w and a from the exact arc: every entry within UNIT of the largest of its kind.
     fn reload(&mut self, frame: &Frame) {
         let whole = &frame.segments[self.segment];
-        let k = i64::from(self.depth);
         let arc;
         let bezier = if self.depth == 0 {
             whole
         } else {
-            let end = |i: u128| Dyadic { m: Int::from(num_bigint::BigInt::from(i)), e: -k };
-            arc = whole.arc(&end(self.index), &end(self.index + 1));
+            arc = whole.cell(&self.exact_index(), self.depth);
             &arc
         };
         let drop = bezier.w.iter().map(|x| x.bits() as i64).max().unwrap_or(0);
@@ -331,6 +328,10 @@ impl Cell {
             .map(|i| [0, 1, 2].map(|k| forms.a[k].c[i].to_f64_shifted(drop) / binomials[i]))
             .collect();
         self.a_err = (4.0 * UNIT + crate::bernstein::binomial_error(forms.a[0].ds)) * largest(&self.a);
+    }
+
+    pub(crate) fn exact_index(&self) -> Int {
+        Int::from(num_bigint::BigInt::from(self.index))
     }
 
     fn halves(&self) -> (Self, Self) {

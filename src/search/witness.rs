@@ -153,8 +153,7 @@ impl<'f> Exact<'f> {
         };
         let x = Point { x: [0, 1, 2].map(coordinate), w: Dyadic::ONE };
         let radius = self.both_distances(&x, &ps, &pt, pair.radius)?;
-        let found = self.valley_pair(&x, &s, &t)?;
-        debug_assert!(found);
+        self.valley_pair(&x, &s, &t).then_some(())?;
         Some(Witness { radius, s: Some(s), t, x: Some(x.cartesian()) })
     }
 
@@ -175,8 +174,7 @@ impl<'f> Exact<'f> {
         let x = Point { x, w };
         let radius = self.both_distances(&x, &pe, &pt, contact.radius)?;
         let reach = |steps: &Dyadic| distance(self.frame, &e, &t).cmp(steps).is_gt();
-        let eta = (3..50).map(step).find(|eta| reach(eta) && self.valley(&x, &t, eta).unwrap_or(false))?;
-        debug_assert!(eta.m.sign().is_gt());
+        (3..50).map(step).find(|eta| reach(eta) && self.valley(&x, &t, eta).unwrap_or(false))?;
         Some(Witness { radius, s: Some(e), t, x: Some(x.cartesian()) })
     }
 
@@ -186,7 +184,7 @@ impl<'f> Exact<'f> {
         least_f64(near, |r| [&a, &b].iter().all(|(num, den)| num.cmp(&r.sqr().mul(den)).is_le()))
     }
 
-    pub(crate) fn valley_pair(&mut self, x: &Point, s: &At, t: &At) -> Option<bool> {
+    pub(crate) fn valley_pair(&mut self, x: &Point, s: &At, t: &At) -> bool {
         let apart = distance(self.frame, s, t);
         let two = Dyadic { m: Int::from(2), e: 0 };
         for j in 3..50 {
@@ -195,10 +193,10 @@ impl<'f> Exact<'f> {
                 && self.valley(x, s, &eta).unwrap_or(false)
                 && self.valley(x, t, &eta).unwrap_or(false)
             {
-                return Some(true);
+                return true;
             }
         }
-        None
+        false
     }
 
     /// |x - C(t)| < |x - C(t +- eta)|; `None` if the spine ends before.
