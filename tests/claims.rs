@@ -389,3 +389,18 @@ fn light_bulb() {
     let answer = answer(&curve, 1e-6);
     assert!(answer.delta.lo > 0.3013 && answer.delta.hi < 0.3014, "{answer:?}");
 }
+
+/// A term above 1/kappa_max: the least over pairs that are not local, and none where all pairs are local.
+#[test]
+fn terms_beyond_the_binding_one() {
+    let all = |text: &str| {
+        let spine = Spine::from_json_str(text).expect("a spine");
+        radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer")
+    };
+    let inside = all(r#"{"degree":3,"control_points":[[-9,0,-7],[-9,7,-4],[-2,-1,4],[2,8,-1]]}"#);
+    let term = inside.terms.end_to_body;
+    assert!(inside.complete && term.is_within(WIDTH) && (term.lo - 6.384_684).abs() < 2e-5, "{inside:?}");
+    let local = all(r#"{"degree":3,"control_points":[[5,5,-4],[0,4,5],[-6,5,2],[-7,4,2]],"weights":[5,5,5,1]}"#);
+    assert!(local.complete && local.terms.end_to_body.lo == f64::INFINITY, "{local:?}");
+    assert!(local.terms.end_to_end.lo == f64::INFINITY, "{local:?}");
+}

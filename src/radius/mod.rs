@@ -148,10 +148,10 @@ impl<'a> Job<'a> {
         if !self.frame.closed {
             for finish in [false, true] {
                 let start = before_ends.min(ends);
-                let (mut proved, contact) = self.end_to_body(finish, Of::Disks, start * above);
+                let (mut proved, contact) = self.end_to_body(finish, Of::Disks, start * above, false);
                 contacts.extend(contact);
                 if proved < start && contact.is_none() {
-                    proved = self.end_to_body(finish, Of::Disks, start).0;
+                    proved = self.end_to_body(finish, Of::Disks, start, false).0;
                 }
                 ends = ends.min(proved);
             }
@@ -225,8 +225,8 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn end_to_body(&mut self, finish: bool, of: Of, start: f64) -> (f64, Option<Contact>) {
-        ends::end_to_body(&mut self.tree, finish, of, start, self.margin, &mut self.meter)
+    fn end_to_body(&mut self, finish: bool, of: Of, start: f64, own_term: bool) -> (f64, Option<Contact>) {
+        ends::end_to_body(&mut self.tree, finish, of, start, own_term, self.margin, &mut self.meter)
     }
 
     /// A doubly critical pair at an end of an open spine is a contact of that end's disk.
@@ -270,7 +270,7 @@ impl<'a> Job<'a> {
         let mut both = |of: Of| {
             let (mut lo, mut hi, mut met) = (f64::INFINITY, f64::INFINITY, true);
             for side in [false, true] {
-                let (proved, contact) = self.end_to_body(side, of, lo.min(1e9));
+                let (proved, contact) = self.end_to_body(side, of, lo.min(1e9), true);
                 // then the pair of both ends is local as well
                 all_local |= proved == f64::INFINITY;
                 if proved < lo {

@@ -28,6 +28,9 @@ pub(crate) struct Contact {
     pub(crate) radius: f64,
 }
 
+/// How narrowly the frontier of the local pairs is located for a term of its own, in the unit box.
+const FRONTIER: f64 = 1e-9;
+
 /// What must not meet: the disks, or only their rims (the quantity of [M98]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Of {
@@ -42,13 +45,24 @@ pub(crate) fn end_to_body(
     finish: bool,
     of: Of,
     start: f64,
+    own_term: bool,
     margin: f64,
     meter: &mut Meter,
 ) -> (f64, Option<Contact>) {
     let end = End::new(tree.frame, finish);
     let planar = of == Of::Rims && super::contact::plane(tree.frame).is_some();
-    let mut search =
-        Search { tree, end, of, planar, margin, radius: start.min(1e150), contact: None, reach: vec![], broken: false };
+    let mut search = Search {
+        tree,
+        end,
+        of,
+        own_term,
+        planar,
+        margin,
+        radius: start.min(1e150),
+        contact: None,
+        reach: vec![],
+        broken: false,
+    };
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
         if search.radius < FLOOR {
@@ -170,6 +184,8 @@ struct Search<'t, 'f> {
     tree: &'t mut Tree<'f>,
     end: End,
     of: Of,
+    /// Is the term sought for itself, not only as far as it binds?
+    own_term: bool,
     /// Rims of a planar spine, where the determinant vanishes identically.
     planar: bool,
     margin: f64,
@@ -215,6 +231,10 @@ impl Search<'_, '_> {
         if !self.broken && self.local(id) {
             self.reach.push(id);
             return true;
+        }
+        // a term of its own: its radius may be above 1/kappa_max, so local pairs are to be left out to the last
+        if !self.broken && self.own_term && self.tree.node(id).rad > FRONTIER {
+            return false;
         }
         if self.gap(id) > 2.0 * self.radius {
             self.broken = true;
