@@ -126,7 +126,7 @@ pub struct Rim {
     pub delta: Enclosure,
 }
 
-/// The answer of [`radius`].
+/// The answer of [`radius`](fn@crate::radius).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Radius {
@@ -153,7 +153,7 @@ pub struct Radius {
     pub stopped: Option<Stop>,
 }
 
-/// Options of [`radius`].
+/// Options of [`radius`](fn@crate::radius).
 #[derive(Clone)]
 #[non_exhaustive]
 pub struct RadiusOptions {
