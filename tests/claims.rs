@@ -404,3 +404,24 @@ fn terms_beyond_the_binding_one() {
     assert!(local.complete && local.terms.end_to_body.lo == f64::INFINITY, "{local:?}");
     assert!(local.terms.end_to_end.lo == f64::INFINITY, "{local:?}");
 }
+
+/// Bends so tight that f64 differences no longer give the radius of a contact to nine digits.
+#[test]
+fn straight_run_into_a_very_tight_bend() {
+    for e in [-8, -7, -6, -5] {
+        let r = power(10, e) * q(2, 1);
+        let x = q(1, 1) + &r;
+        let at = |x: Rational, y: Rational| [x, y, q(0, 1)];
+        let points = vec![
+            at(q(0, 1), q(0, 1)),
+            at(q(1, 2), q(0, 1)),
+            at(q(1, 1), q(0, 1)),
+            at(x.clone(), q(0, 1)),
+            at(x, r.clone()),
+        ];
+        let weights = [1, 1, 1, 1, 2].map(|w| q(w, 1)).to_vec();
+        let knots = [0, 0, 0, 1, 1, 2, 2, 2].map(|k| q(k, 1)).to_vec();
+        let curve = Curve::new(2, points, Some(weights), Some(knots)).expect("a curve");
+        among(&curve, &r, LimitedBy::Curvature);
+    }
+}

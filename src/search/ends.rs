@@ -10,10 +10,12 @@
 
 use super::body::FLOOR;
 use super::curvature::golden;
-use super::frame::Frame;
+use super::dyadic::Dyadic;
+use super::frame::{At, Frame};
 use super::meter::Meter;
 use super::rules::first_true;
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
+use super::witness::{Exact, POLISHED};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
 use crate::enclosure::Interval;
 use crate::integer::{Int, ldexp};
@@ -306,7 +308,7 @@ impl Search<'_, '_> {
                 Of::Rims => self.rim(segment, t).0,
             }
         };
-        let (t, radius) = if self.planar {
+        let (t, mut radius) = if self.planar {
             // the normals meet at equal distances where this changes sign
             let gap = |t: f64| self.rim(segment, t).1;
             let (mut lo, mut hi) = (from, from + h);
@@ -326,6 +328,13 @@ impl Search<'_, '_> {
             }
             golden(value, from + 0.5 * h, h)
         };
+        if radius < POLISHED {
+            // f64 differences no longer give the distance to 12 digits
+            let at = At { segment, t: Dyadic::from_f64(t) };
+            let mut exact = Exact::new(self.tree.frame);
+            let end = exact.end(self.end.finish);
+            radius = exact.meeting(&end, &at, self.of).map_or(radius, |(_, hi)| hi);
+        }
         if radius * (1.0 - self.margin) < self.radius {
             self.radius = radius * (1.0 - self.margin);
             self.contact = Some(Contact { finish: self.end.finish, t: (segment, t), radius });
