@@ -425,3 +425,19 @@ fn straight_run_into_a_very_tight_bend() {
         among(&curve, &r, LimitedBy::Curvature);
     }
 }
+
+/// End planes that meet 10^400 away: a radius that no f64 spells is finite all the same.
+#[test]
+fn radii_beyond_f64_are_not_infinite() {
+    let points = vec![
+        [q(0, 1), q(0, 1), q(0, 1)],
+        [q(5, 1), q(0, 1), q(0, 1)],
+        [q(5, 1), q(2, 1), q(0, 1)],
+        [q(1, 1), q(2, 1) + power(10, -400), q(0, 1)],
+    ];
+    let spine = Spine::from_curve(Curve::new(3, points, None, None).expect("a curve")).expect("a spine");
+    for all in [false, true] {
+        let answer = radius(&spine, &RadiusOptions::new().all_terms(all)).expect("an answer");
+        assert!(answer.terms.end_to_end.lo.is_finite(), "{answer:?}");
+    }
+}

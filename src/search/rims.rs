@@ -42,17 +42,17 @@ impl Exact<'_> {
         (m, det, [aq, dot3(&d, &q), qq], [d, da], w)
     }
 
-    /// Encloses the radius at which the disks, or the rims, at two points meet.
+    /// Encloses the radius at which the disks, or the rims, at two points meet; `None` only if they never do.
     pub(crate) fn meeting(&mut self, e: &At, t: &At, of: Of) -> Option<(f64, f64)> {
         let (num, den) = match of {
             Of::Disks => self.rho_sq(e, t).map(|(num, den, _)| (num, den))?,
             Of::Rims => self.rims_sq(e, t)?,
         };
-        let near = ratio(&num, &den).sqrt();
-        let hi = least_f64(near, |r| num.cmp(&r.sqr().mul(&den)).is_le())?;
-        let lo = (near * (1.0 - 1e-14)).max(0.0);
-        let below = Dyadic::from_f64(lo).sqr().mul(&den).cmp(&num).is_le();
-        below.then_some((lo, hi))
+        let near = ratio(&num, &den).sqrt().min(f64::MAX);
+        let below = |r: &f64| Dyadic::from_f64(*r).sqr().mul(&den).cmp(&num).is_le();
+        let lo = Some(near * (1.0 - 1e-14)).filter(below).unwrap_or(0.0);
+        let hi = least_f64(near, |r| num.cmp(&r.sqr().mul(&den)).is_le()).unwrap_or(f64::INFINITY);
+        Some((lo, hi))
     }
 
     /// Rims of a planar spine: M changes sign within 2^-40 of the candidate, and the common line is within `r` of the
