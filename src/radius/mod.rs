@@ -9,7 +9,6 @@ use crate::number::{f64_above, f64_below, rational_from_f64, same};
 use crate::search::body;
 use crate::search::contact::Touch;
 use crate::search::curvature;
-use crate::search::dyadic::Dyadic;
 use crate::search::ends::{self, Contact, Of};
 use crate::search::frame::{At, Frame};
 use crate::search::meter::Meter;
@@ -97,10 +96,6 @@ fn touching(spine: &Spine, options: &RadiusOptions, limited_by: LimitedBy, at: L
     }
 }
 
-fn delta_above(best: Option<&Upper>) -> f64 {
-    best.map_or(f64::INFINITY, |u| u.witness.radius)
-}
-
 struct Job<'a> {
     frame: &'a Frame,
     options: &'a RadiusOptions,
@@ -136,8 +131,8 @@ impl<'a> Job<'a> {
     fn run(mut self, spine: &Spine) -> Radius {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
         // searches start a little above what binds already: a term that ties is met, one that does not is proved above
-        let above = 1.0 + 4.0 * self.margin;
-        let body = body::body_to_body(&mut self.tree, bend * above, self.margin, &mut self.meter);
+        let a_little = 1.0 + 4.0 * self.margin;
+        let body = body::body_to_body(&mut self.tree, bend * a_little, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
         if let Some(touch) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
             return touching(spine, self.options, LimitedBy::SelfContact, self.touch_location(&touch));
@@ -148,7 +143,7 @@ impl<'a> Job<'a> {
         if !self.frame.closed {
             for finish in [false, true] {
                 let start = before_ends.min(ends);
-                let (mut proved, contact) = self.end_to_body(finish, Of::Disks, start * above, false);
+                let (mut proved, contact) = self.end_to_body(finish, Of::Disks, start * a_little, false);
                 contacts.extend(contact);
                 if proved < start && contact.is_none() {
                     proved = self.end_to_body(finish, Of::Disks, start, false).0;
@@ -175,7 +170,8 @@ impl<'a> Job<'a> {
         // of witnesses that tie within what is asked, the last: curvature, then body to body
         let least = uppers.iter().map(|u| u.witness.radius).fold(f64::INFINITY, f64::min);
         let best = uppers.iter().rfind(|u| u.witness.radius <= least * (1.0 + self.margin));
-        let delta = self.enclosure(radius, best.map_or(f64::INFINITY, |u| u.witness.radius));
+        let above = best.map_or(f64::INFINITY, |u| u.witness.radius);
+        let delta = self.enclosure(radius, above);
 
         let mut terms = Terms {
             curvature: self.enclosure(bend, ceiling),
@@ -200,7 +196,7 @@ impl<'a> Job<'a> {
         let mut rim = None;
         if self.options.all_terms {
             complete &= self.all_terms(&mut terms, &mut rim);
-        } else if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= delta_above(best)) {
+        } else if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= above) {
             terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend));
         }
         let limited_by = best.filter(|_| narrow).map_or(LimitedBy::Undecided, |u| u.term);
@@ -305,7 +301,7 @@ impl<'a> Job<'a> {
     /// An upper bound for an end term: the contact is exact, and its pair is not local.
     fn contact_above(&mut self, contact: &Contact, of: Of) -> Option<f64> {
         let end = self.exact.end(contact.finish);
-        let at = At { segment: contact.t.0, t: Dyadic::from_f64(contact.t.1) };
+        let at = At::near(contact.t);
         if !self.exact.not_local(&end, &at) {
             return None;
         }
@@ -323,9 +319,8 @@ impl<'a> Job<'a> {
         }
         let jacobian = newton::jacobian(&self.tree, pair);
         let above = self.exact.critical_box(pair, jacobian).or_else(|| {
-            let members = std::iter::once(*pair).chain(newton::snapped(&self.tree, pair));
-            let exact = members.filter(|pair| self.exact.exactly_critical(pair)).collect::<Vec<_>>();
-            exact.iter().find_map(|pair| self.exact.exact_half_distance(pair))
+            let mut members = std::iter::once(*pair).chain(newton::snapped(&self.tree, pair));
+            members.find_map(|pair| self.exact.exactly_critical(&pair))
         });
         self.enclosure(0.0, above.unwrap_or(f64::INFINITY)).hi
     }

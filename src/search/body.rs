@@ -176,7 +176,7 @@ impl Search<'_, '_> {
         slab(q0) || slab(across)
     }
 
-    /// Newton's method from the middle of the two cells, for a candidate; returns its first step.
+    /// Newton's method from the middle of the two cells, for a candidate; returns the quadratic model there.
     fn refine(&mut self, i: Id, j: Id) -> Model {
         let unit = |c: &Cell| {
             let h = ldexp(1.0, -i64::from(c.depth));

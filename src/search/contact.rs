@@ -1,7 +1,7 @@
 //! W4 of theory.md, section 2: proved self-contacts; and the existence of doubly critical pairs. Exact.
 
 use super::dyadic::{Dyadic, least_f64, ratio, rounded_quotient, step, truncated};
-use super::frame::{At, ExactForms, Frame};
+use super::frame::{At, ExactForms, Frame, weight_ratio};
 use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
@@ -22,13 +22,12 @@ impl Exact<'_> {
     /// W4: the two parameters of a candidate are one point, exactly (small denominators), or a planar spine crosses
     /// itself there by change of sign (Miranda).
     pub(crate) fn self_contact(&mut self, pair: &Candidate) -> Option<Touch> {
-        let exact = |(segment, t): (usize, f64)| simplest(t).map(|(num, den)| (segment, num, den));
-        if let (Some(s), Some(t)) = (exact(pair.s), exact(pair.t))
+        if let (Some(s), Some(t)) = (simplest(pair.s), simplest(pair.t))
             && self.same_point(&s, &t)
         {
             let around = |(segment, num, den): &(usize, Int, Int)| {
-                let below =
-                    rounded_quotient(&Dyadic { m: num.clone(), e: 0 }, &Dyadic { m: den.clone(), e: 0 }, 80, 80);
+                let whole = |m: &Int| Dyadic { m: m.clone(), e: 0 };
+                let below = rounded_quotient(&whole(num), &whole(den), 80);
                 let above = if den == &Int::ONE { below.clone() } else { below.add(&step(80)) };
                 (*segment, below, above)
             };
@@ -71,41 +70,30 @@ impl Exact<'_> {
         [value(&forms.r[0]), value(&forms.r[1]), value(&forms.r[2]), value(&forms.w)]
     }
 
-    /// q.a(s) = q.a(t) = 0 exactly at simple rational parameters.
-    pub(crate) fn exactly_critical(&mut self, pair: &Candidate) -> bool {
-        let exact = |(segment, t): (usize, f64)| simplest(t).map(|(num, den)| (segment, num, den));
-        let (Some(s), Some(t)) = (exact(pair.s), exact(pair.t)) else { return false };
+    /// Half the distance, from above, of a candidate with q.a(s) = q.a(t) = 0 exactly at simple rational parameters.
+    pub(crate) fn exactly_critical(&mut self, pair: &Candidate) -> Option<f64> {
+        let (s, t) = (simplest(pair.s)?, simplest(pair.t)?);
         if same_parameter(self.frame, &s, &t) {
-            return false;
+            return None;
         }
         let (p, q) = (self.homogeneous(&s), self.homogeneous(&t));
         let gap: [Int; 3] = std::array::from_fn(|k| &(&p[k] * &q[3]) - &(&q[k] * &p[3]));
-        [&s, &t].into_iter().all(|at| {
+        let critical = [&s, &t].into_iter().all(|at| {
             let (forms, _) = self.span(at.0);
             let degree = forms.a[0].ds;
             let a = forms.a.each_ref().map(|a| at_ratio(a, &at.1, &at.2, degree));
             (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &gap[k])).is_zero()
-        })
-    }
-
-    /// Half the distance at a candidate with simple rational parameters, from above.
-    pub(crate) fn exact_half_distance(&mut self, pair: &Candidate) -> Option<f64> {
-        let exact = |(segment, t): (usize, f64)| simplest(t).map(|(num, den)| (segment, num, den));
-        let (s, t) = (exact(pair.s)?, exact(pair.t)?);
-        let dyadic = |m: Int| Dyadic { m, e: 0 };
-        let [p, q] = [self.homogeneous(&s), self.homogeneous(&t)]
-            .map(|[x, y, z, w]| Point { x: [dyadic(x), dyadic(y), dyadic(z)], w: dyadic(w) });
-        let (num, den) = distance_sq(&p, &q);
-        let four = dyadic(Int::from(4));
-        least_f64(pair.radius, |r| num.cmp(&r.sqr().mul(&den).mul(&four)).is_le())
+        });
+        critical.then_some(())?;
+        let (num, den) = distance_sq(&whole_point(p), &whole_point(q));
+        least_f64(pair.radius, |r| num.cmp(&r.sqr().mul(&den).mul(&Dyadic::from(4))).is_le())
     }
 
     /// A doubly critical pair exists in a small box round the candidate (Miranda on preconditioned F1, F2); returns an
     /// upper bound for half its distance.
     pub(crate) fn critical_box(&mut self, pair: &Candidate, jacobian: [[f64; 2]; 2]) -> Option<f64> {
         let inverse = inverse(jacobian)?;
-        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
-        let (s, t) = self.polished(at(pair.s), at(pair.t), pair.radius);
+        let (s, t) = self.polished(At::near(pair.s), At::near(pair.t), pair.radius);
         let centre = [s, t].map(|at| At { segment: at.segment, t: truncated(&at.t, 100) });
         let fine = pair.radius < POLISHED;
         for j in [80, 60, 44, 34, 28, 22, 16].into_iter().skip(if fine { 0 } else { 2 }) {
@@ -115,11 +103,9 @@ impl Exact<'_> {
             let (ry, wy, ay) = (y_forms(&fy.r), fy.w.clone().transposed(), y_forms(&fy.a));
             let d: Vec3<Int> = std::array::from_fn(|k| fx.r[k].mul(&wy).sub(&ry[k].mul(&fx.w)));
             // q.C'(s) and q.C'(t) are D.a(s) and D.a(t) over w(s)^3 w(t) and w(s) w(t)^3: bring them to one scale
-            let (ws, wt) = (&fx.w.c[0], &wy.c[0]);
-            let (up, down) = (ws.bits() as i64, wt.bits() as i64);
-            let ratio = ws.to_f64_shifted(up) / wt.to_f64_shifted(down);
+            let (ratio, exp) = weight_ratio(&fx.w, &wy);
             let mut second = dot(&d, &ay).scale(ratio * ratio);
-            second.exp += 2 * (up + fx.w.exp - down - wy.exp);
+            second.exp += 2 * exp;
             if opposite_faces(&dot(&d, &fx.a), &second, inverse) {
                 return half_distance_above(&x, &y);
             }
@@ -135,8 +121,7 @@ impl Exact<'_> {
             let inside = from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le();
             inside.then(|| self.frame.segments[at.segment].arc(&from, &to))
         };
-        let wide = Dyadic { m: Int::from(4), e: 0 }.mul(&eta);
-        distance(self.frame, s, t).cmp(&wide).is_gt().then_some(())?;
+        distance(self.frame, s, t).cmp(&step(j - 2)).is_gt().then_some(())?;
         Some((sides(s)?, sides(t)?))
     }
 
@@ -186,16 +171,17 @@ fn inverse(m: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     inverse.iter().flatten().all(|x| x.is_finite()).then_some(inverse)
 }
 
+/// A point of integer homogeneous coordinates.
+fn whole_point([x, y, z, w]: [Int; 4]) -> Point {
+    let dyadic = |m: Int| Dyadic { m, e: 0 };
+    Point { x: [x, y, z].map(dyadic), w: dyadic(w) }
+}
+
 /// Half the largest distance between control points of two short arcs, from above.
 fn half_distance_above(x: &Bezier, y: &Bezier) -> Option<f64> {
-    let dyadic = |m: Int| Dyadic { m, e: 0 };
     let points = |b: &Bezier| -> Option<Vec<Point>> {
-        (0..=b.degree())
-            .map(|i| {
-                let [x, y, z, w] = b.point(i);
-                w.sign().is_gt().then(|| Point { x: [dyadic(x), dyadic(y), dyadic(z)], w: dyadic(w) })
-            })
-            .collect()
+        let points = (0..=b.degree()).map(|i| b.point(i));
+        points.map(|p| p[3].sign().is_gt().then(|| whole_point(p))).collect()
     };
     let (p, q) = (points(x)?, points(y)?);
     let mut largest = 0.0f64;
@@ -228,8 +214,8 @@ fn at_ratio(form: &Form<Int>, num: &Int, den: &Int, degree: usize) -> Int {
     (form.ds..degree).fold(sum, |sum, _| &sum * den)
 }
 
-/// The fraction of denominator at most 1000 within 1e-9 of t in [0, 1], by continued fractions.
-fn simplest(t: f64) -> Option<(Int, Int)> {
+/// The segment, and the fraction of denominator at most 1000 within 1e-9 of t in [0, 1], by continued fractions.
+fn simplest((segment, t): (usize, f64)) -> Option<(usize, Int, Int)> {
     let (mut p, mut q) = ((0i64, 1i64), (1i64, 0i64));
     let mut x = t;
     for _ in 0..12 {
@@ -240,7 +226,7 @@ fn simplest(t: f64) -> Option<(Int, Int)> {
         }
         let (num, den) = (p.1, q.1);
         if (num as f64 / den as f64 - t).abs() < 1e-9 {
-            return (num >= 0 && num <= den).then(|| (Int::from(num), Int::from(den)));
+            return (num >= 0 && num <= den).then(|| (segment, Int::from(num), Int::from(den)));
         }
         x = 1.0 / (x - whole);
         if !x.is_finite() || x > 1e15 {

@@ -58,6 +58,12 @@ impl Dyadic {
     }
 }
 
+impl From<i64> for Dyadic {
+    fn from(m: i64) -> Self {
+        Self { m: Int::from(m), e: 0 }
+    }
+}
+
 impl PartialEq for Dyadic {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
@@ -96,10 +102,9 @@ pub(crate) fn decompose_exponent(x: f64) -> i64 {
     e + 64 - i64::from(m.unsigned_abs().leading_zeros())
 }
 
-/// num / (den 2^extra) rounded down to a multiple of 2^-bits, where `extra` = `up` - `bits`.
-pub(crate) fn rounded_quotient(num: &Dyadic, den: &Dyadic, up: i64, bits: i64) -> Dyadic {
-    // num / den / 2^(up - bits) = m 2^-bits
-    let shift = num.e - den.e - (up - bits) + bits;
+/// num / den rounded down to a multiple of 2^-bits.
+pub(crate) fn rounded_quotient(num: &Dyadic, den: &Dyadic, bits: i64) -> Dyadic {
+    let shift = num.e - den.e + bits;
     let (mut a, mut b) = (num.m.big(), den.m.big());
     if shift >= 0 {
         a <<= shift as u64;

@@ -10,7 +10,7 @@
 
 use super::body::FLOOR;
 use super::curvature::golden;
-use super::dyadic::Dyadic;
+use super::dyadic::{Dyadic, ratio};
 use super::frame::{At, Frame};
 use super::meter::Meter;
 use super::rules::first_true;
@@ -53,8 +53,10 @@ pub(crate) fn end_to_body(
 ) -> (f64, Option<Contact>) {
     let end = End::new(tree.frame, finish);
     let planar = of == Of::Rims && super::contact::plane(tree.frame).is_some();
+    let exact = Exact::new(tree.frame);
     let mut search = Search {
         tree,
+        exact,
         end,
         of,
         own_term,
@@ -100,11 +102,8 @@ impl End {
         let bezier = &frame.segments[segment];
         let exact_point = bezier.point(if finish { bezier.degree() } else { 0 });
         let exact_tangent = bezier.end_tangent(finish);
-        let near = |x: &Int, y: &Int| {
-            let (b, c) = (x.bits() as i64, y.bits() as i64);
-            crate::integer::ldexp(x.to_f64_shifted(b) / y.to_f64_shifted(c), b - c)
-        };
-        let point = [0, 1, 2].map(|k| near(&exact_point[k], &exact_point[3]));
+        let whole = |m: &Int| Dyadic { m: m.clone(), e: 0 };
+        let point = [0, 1, 2].map(|k| ratio(&whole(&exact_point[k]), &whole(&exact_point[3])));
         let drop = exact_tangent.iter().map(|x| x.bits() as i64).max().unwrap_or(0);
         let tangent = exact_tangent.each_ref().map(|x| x.to_f64_shifted(drop));
         Self { finish, place: (segment, if finish { 1.0 } else { 0.0 }), point, tangent, exact_point, exact_tangent }
@@ -184,6 +183,7 @@ impl Terms {
 
 struct Search<'t, 'f> {
     tree: &'t mut Tree<'f>,
+    exact: Exact<'f>,
     end: End,
     of: Of,
     /// Is the term sought for itself, not only as far as it binds?
@@ -330,10 +330,8 @@ impl Search<'_, '_> {
         };
         if radius < POLISHED {
             // f64 differences no longer give the distance to 12 digits
-            let at = At { segment, t: Dyadic::from_f64(t) };
-            let mut exact = Exact::new(self.tree.frame);
-            let end = exact.end(self.end.finish);
-            radius = exact.meeting(&end, &at, self.of).map_or(radius, |(_, hi)| hi);
+            let end = self.exact.end(self.end.finish);
+            radius = self.exact.meeting(&end, &At::near((segment, t)), self.of).map_or(radius, |(_, hi)| hi);
         }
         if radius * (1.0 - self.margin) < self.radius {
             self.radius = radius * (1.0 - self.margin);
@@ -384,20 +382,14 @@ pub(crate) fn line_within(frame: &Frame, finish: bool, arc: &Bezier, r: f64) -> 
 }
 
 fn against(cell: &Cell, end: &End) -> Against<f64> {
-    let weight = |i: usize| cell.w.get(i).copied().unwrap_or(1.0);
-    let heaviest = cell.w.iter().copied().fold(if cell.w.is_empty() { 1.0 } else { 0.0 }, f64::max);
     let q = std::array::from_fn(|k| {
-        let strip: Vec<f64> = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * weight(i)).collect();
+        let strip: Vec<f64> = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * cell.weight(i)).collect();
         let size = cell.p.iter().map(|p| (p[k] - end.point[k]).abs()).fold(0.0f64, f64::max);
-        let rad = (heaviest + cell.w_err) * (cell.p_err + 4.0 * UNIT * end.point[k].abs() + 4.0 * UNIT * size)
+        let rad = (cell.heaviest() + cell.w_err) * (cell.p_err + 4.0 * UNIT * end.point[k].abs() + 4.0 * UNIT * size)
             + size * cell.w_err;
         Form::from_strip(&strip, rad * (1.0 + 1e-9), 0)
     });
-    let w = if cell.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&cell.w, cell.w_err, 0) };
-    let a = std::array::from_fn(|k| {
-        let strip: Vec<f64> = cell.a.iter().map(|a| a[k]).collect();
-        Form::from_strip(&strip, cell.a_err, 0)
-    });
+    let (w, a) = (cell.weight_form(), cell.hodograph_forms());
     let d =
         end.tangent.map(|x| Form { ds: 0, dt: 0, exp: 0, c: vec![x], norm: Ball { mag: 1.0 + UNIT, rad: 2.0 * UNIT } });
     Against { q, w, a, d }

@@ -17,6 +17,13 @@ pub(crate) struct At {
     pub(crate) t: Dyadic,
 }
 
+impl At {
+    /// The dyadic parameter that an f64 is.
+    pub(crate) fn near((segment, t): (usize, f64)) -> Self {
+        Self { segment, t: Dyadic::from_f64(t) }
+    }
+}
+
 /// The spine in the unit box.
 #[derive(Debug)]
 pub(crate) struct Frame {
@@ -228,4 +235,10 @@ impl ExactForms {
     pub(crate) fn cast<T: Scalar>(&self) -> ArcForms<T> {
         ArcForms { r: self.r.each_ref().map(T::cast), w: T::cast(&self.w), a: self.a.each_ref().map(T::cast) }
     }
+}
+
+/// The quotient of two weights where their arcs start, as a number about 1 and a power of two.
+pub(crate) fn weight_ratio(top: &Form<Int>, bottom: &Form<Int>) -> (f64, i64) {
+    let (up, down) = (top.c[0].bits() as i64, bottom.c[0].bits() as i64);
+    (top.c[0].to_f64_shifted(up) / bottom.c[0].to_f64_shifted(down), up + top.exp - down - bottom.exp)
 }

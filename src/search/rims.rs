@@ -4,49 +4,41 @@ use super::contact::plane;
 use super::dyadic::{Dyadic, cross3, dot3, least_f64, ratio, step};
 use super::ends::{Contact, Of};
 use super::frame::At;
-use super::witness::Exact;
-use crate::integer::Int;
+use super::witness::{DiskPair, Exact};
 
-impl Exact<'_> {
-    /// The squared radius at which the rims at an end and at t meet: |M|^2 / (w det)^2 where det != 0; where det = 0 and
-    /// M = 0, the squared distance to the common line. `None` if they never meet.
-    fn rims_sq(&mut self, e: &At, t: &At) -> Option<(Dyadic, Dyadic)> {
-        let (m, det, [aq, dq, qq], [d, da], w) = self.rim_parts(e, t);
-        let (mm, dd) = (dot3(&m, &m), det.sqr());
-        if !dd.m.is_zero() {
-            return Some((mm, dd));
+impl DiskPair {
+    /// 2 M of theory.md, section 5.
+    fn rim_vector(&self) -> [Dyadic; 3] {
+        let (qd, aq, qq) = (cross3(&self.q, &self.d), dot3(&self.a, &self.q), dot3(&self.q, &self.q));
+        std::array::from_fn(|k| aq.mul(&qd[k]).mul(&Dyadic::from(2)).add(&qq.mul(&self.u[k])))
+    }
+
+    /// The squared radius at which the rims meet: |M|^2 / (w det)^2 where det != 0; where det = 0 and M = 0, the squared
+    /// distance to the common line. `None` if they never meet.
+    fn rims_sq(&self) -> Option<(Dyadic, Dyadic)> {
+        let m = self.rim_vector();
+        let (mm, det) = (dot3(&m, &m), dot3(&self.u, &self.q).mul(&self.w).mul(&Dyadic::from(2)));
+        if !det.m.is_zero() {
+            return Some((mm, det.sqr()));
         }
         if !mm.m.is_zero() {
             return None;
         }
-        let uu = dot3(&da, &da);
-        if !uu.m.is_zero() {
-            return Some((aq.sqr().mul(&dot3(&d, &d)), uu.mul(&w.sqr())));
+        if self.parallel() {
+            return self.parallel_sq();
         }
-        // parallel planes: the rims meet half way if it is the same plane
-        let four = Dyadic { m: Int::from(4), e: 0 };
-        dq.m.is_zero().then(|| (qq, four.mul(&w.sqr())))
+        let line = dot3(&self.a, &self.q).sqr().mul(&dot3(&self.d, &self.d));
+        Some((line, dot3(&self.u, &self.u).mul(&self.w.sqr())))
     }
+}
 
-    /// 2 M and 2 w det of theory.md, section 5, up to one common factor; a.q, d.q, |q|^2; d and d x a; the weight of q.
-    #[allow(clippy::type_complexity)]
-    fn rim_parts(&mut self, e: &At, t: &At) -> ([Dyadic; 3], Dyadic, [Dyadic; 3], [[Dyadic; 3]; 2], Dyadic) {
-        let (pe, pt) = (self.point(e), self.point(t));
-        let (d, a) = (self.hodograph(e), self.hodograph(t));
-        let q: [Dyadic; 3] = std::array::from_fn(|k| pt.x[k].mul(&pe.w).sub(&pe.x[k].mul(&pt.w)));
-        let w = pt.w.mul(&pe.w);
-        let (qd, da, aq, qq) = (cross3(&q, &d), cross3(&d, &a), dot3(&a, &q), dot3(&q, &q));
-        let two = Dyadic { m: Int::from(2), e: 0 };
-        let m = std::array::from_fn(|k| aq.mul(&qd[k]).mul(&two).add(&qq.mul(&da[k])));
-        let det = dot3(&da, &q).mul(&w).mul(&two);
-        (m, det, [aq, dot3(&d, &q), qq], [d, da], w)
-    }
-
+impl Exact<'_> {
     /// Encloses the radius at which the disks, or the rims, at two points meet; `None` only if they never do.
     pub(crate) fn meeting(&mut self, e: &At, t: &At, of: Of) -> Option<(f64, f64)> {
+        let pair = self.disk_pair(e, t);
         let (num, den) = match of {
-            Of::Disks => self.rho_sq(e, t).map(|(num, den, _)| (num, den))?,
-            Of::Rims => self.rims_sq(e, t)?,
+            Of::Disks => pair.rho_sq()?,
+            Of::Rims => pair.rims_sq()?,
         };
         let near = ratio(&num, &den).sqrt().min(f64::MAX);
         let below = |r: &f64| Dyadic::from_f64(*r).sqr().mul(&den).cmp(&num).is_le();
@@ -55,7 +47,7 @@ impl Exact<'_> {
         Some((lo, hi))
     }
 
-    /// Rims of a planar spine: M changes sign within 2^-40 of the candidate, and the common line is within `r` of the
+    /// Rims of a planar spine: M changes sign within 2^-28 of the candidate or less, and the common line is within `r` of the
     /// end all the way; returns r.
     pub(crate) fn planar_rims(&mut self, contact: &Contact) -> Option<f64> {
         plane(self.frame)?;
@@ -68,8 +60,8 @@ impl Exact<'_> {
                 continue;
             }
             let signs = [&from, &to].map(|t| {
-                let (m, ..) = self.rim_parts(&e, &At { segment, t: t.clone() });
-                m.map(|x| x.m.sign())
+                let pair = self.disk_pair(&e, &At { segment, t: t.clone() });
+                pair.rim_vector().map(|x| x.m.sign())
             });
             if (0..3).any(|k| signs[0][k].is_ne() && signs[0][k] == signs[1][k].reverse()) {
                 let near = contact.radius;
@@ -90,7 +82,7 @@ impl Exact<'_> {
         let mut tangents = vec![self.hodograph(low), self.hodograph(high)];
         for segment in (low.segment..=high.segment).step_by(spans / 48 + 1) {
             for i in 0..=samples {
-                let at = At { segment, t: Dyadic::from_f64(f64::from(i) / f64::from(samples)) };
+                let at = At::near((segment, f64::from(i) / f64::from(samples)));
                 let before = segment == low.segment && at.t.cmp(&low.t).is_lt();
                 let after = segment == high.segment && at.t.cmp(&high.t).is_gt();
                 if !(before || after) {

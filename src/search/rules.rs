@@ -1,6 +1,6 @@
 //! The rules that close a pair of cells; see `body` for what each proves.
 
-use super::frame::{ArcForms, ExactForms, Frame};
+use super::frame::{ArcForms, ExactForms, Frame, weight_ratio};
 use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
 use crate::enclosure::Interval;
@@ -9,11 +9,8 @@ use crate::integer::Int;
 /// The same rules from exact arcs: intervals first, then integers.
 pub(crate) fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> bool {
     fn run<T: Scalar>(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> Option<bool> {
-        // w(t) / w(s) = ratio 2^exp: here a = r'w - r w' in the scale of r and w
-        let (top, bottom) = (&y.w.c[0], &x.w.c[0]);
-        let (up, down) = (top.bits() as i64, bottom.bits() as i64);
-        let ratio = top.to_f64_shifted(up) / bottom.to_f64_shifted(down);
-        let exp = up + y.w.exp - down - x.w.exp;
+        // w(t) / w(s): here a = r'w - r w' in the scale of r and w
+        let (ratio, exp) = weight_ratio(&y.w, &x.w);
         let first = Form::<T>::line(centre[0] * ratio, (centre[0] - 1.0) * ratio, exp);
         let second = Form::<T>::line(-centre[1] / ratio, (1.0 - centre[1]) / ratio, -exp).transposed();
         let (x, mut y) = (x.cast::<T>(), y.cast::<T>());
@@ -42,25 +39,16 @@ pub(crate) fn first_true<const N: usize>(rules: [&dyn Fn() -> Option<bool>; N]) 
 }
 
 /// |D|^2 - (2r)^2 (w(s) w(t))^2.
-pub(crate) fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> {
+fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> {
     let reach = weights.clone().scale(2.0 * radius);
     form::dot(d, d).sub(&reach.sqr())
 }
 
 /// The *bent* rule in f64 on two cells.
 pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
-    let weights = |c: &Cell| {
-        if c.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&c.w, c.w_err, 0) }
-    };
-    let hodograph = |c: &Cell| -> Vec3<f64> {
-        std::array::from_fn(|k| {
-            let strip: Vec<f64> = c.a.iter().map(|a| a[k]).collect();
-            Form::from_strip(&strip, c.a_err, 0)
-        })
-    };
     let d = difference(x, y);
-    let (ax, ay) = (hodograph(x), hodograph(y).map(Form::transposed));
-    let plain = stretched(&d, &weights(x).mul(&weights(y).transposed()), radius);
+    let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
+    let plain = stretched(&d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
     // dC/d sigma = pace a / w^2 on a cell, up to O(h^2); the weights at the middle
     let middle = |c: &Cell| if c.w.is_empty() { 1.0 } else { c.w[c.w.len() / 2] };
     let pace = |c: &Cell| {
@@ -75,19 +63,16 @@ pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<
 }
 
 /// D = r(s) w(t) - r(t) w(s), from differences of points so that nothing cancels.
-pub(crate) fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
+fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
     let (n, m) = (x.p.len() - 1, y.p.len() - 1);
     let (bs, bt) = (binomials(n), binomials(m));
-    let weight = |c: &Cell, i: usize| c.w.get(i).copied().unwrap_or(1.0);
-    let heaviest =
-        |c: &Cell| c.w.iter().copied().fold(f64::NEG_INFINITY, f64::max).max(if c.w.is_empty() { 1.0 } else { 0.0 });
-    let (wx, wy) = (heaviest(x), heaviest(y));
+    let (wx, wy) = (x.heaviest(), y.heaviest());
     std::array::from_fn(|k| {
         let mut mag = 0.0f64;
         let mut c = Vec::with_capacity((n + 1) * (m + 1));
         for i in 0..=n {
             for j in 0..=m {
-                let d = (x.p[i][k] - y.p[j][k]) * (weight(x, i) * weight(y, j));
+                let d = (x.p[i][k] - y.p[j][k]) * (x.weight(i) * y.weight(j));
                 mag = mag.max(d.abs());
                 c.push(d * (bs[i] * bt[j]));
             }

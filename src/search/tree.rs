@@ -2,7 +2,7 @@
 //! cone round its tangents. All f64, every bound with its rounding (docs/rounding.md). Nodes are made when first asked for.
 
 use super::frame::Frame;
-use crate::bernstein::UNIT;
+use crate::bernstein::{Form, UNIT, Vec3};
 use crate::integer::Int;
 
 pub(crate) type V3 = [f64; 3];
@@ -328,6 +328,26 @@ impl Cell {
             .map(|i| [0, 1, 2].map(|k| forms.a[k].c[i].to_f64_shifted(drop) / binomials[i]))
             .collect();
         self.a_err = (4.0 * UNIT + crate::bernstein::binomial_error(forms.a[0].ds)) * largest(&self.a);
+    }
+
+    pub(crate) fn weight(&self, i: usize) -> f64 {
+        self.w.get(i).copied().unwrap_or(1.0)
+    }
+
+    /// The largest weight held.
+    pub(crate) fn heaviest(&self) -> f64 {
+        self.w.iter().copied().reduce(f64::max).unwrap_or(1.0)
+    }
+
+    pub(crate) fn weight_form(&self) -> Form<f64> {
+        if self.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&self.w, self.w_err, 0) }
+    }
+
+    pub(crate) fn hodograph_forms(&self) -> Vec3<f64> {
+        std::array::from_fn(|k| {
+            let strip: Vec<f64> = self.a.iter().map(|a| a[k]).collect();
+            Form::from_strip(&strip, self.a_err, 0)
+        })
     }
 
     pub(crate) fn exact_index(&self) -> Int {

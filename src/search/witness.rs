@@ -1,5 +1,5 @@
-//! Exact upper bounds: the witnesses W1 to W4 of theory.md, section 2, and existence of a doubly critical pair. Candidates
-//! come as f64; what is returned was checked in integers.
+//! Exact upper bounds: the witnesses W1 to W3 of theory.md, section 2. Candidates come as f64; what is returned was checked
+//! in integers.
 
 use super::curvature::Peak;
 use super::dyadic::{Dyadic, cross3, decompose_exponent, dot3, least_f64, ratio, rounded_quotient, step, truncated};
@@ -35,6 +35,78 @@ pub(crate) struct Exact<'f> {
     forms: Vec<Option<(ExactForms, Vec3<Int>)>>,
 }
 
+/// Two disks, exactly: centres, tangent vectors d and a, q / w from the first centre to the second, u = d x a.
+pub(crate) struct DiskPair {
+    from: Point,
+    to: Point,
+    pub(crate) d: [Dyadic; 3],
+    pub(crate) a: [Dyadic; 3],
+    pub(crate) q: [Dyadic; 3],
+    pub(crate) w: Dyadic,
+    pub(crate) u: [Dyadic; 3],
+}
+
+impl DiskPair {
+    pub(crate) fn parallel(&self) -> bool {
+        self.u.iter().all(|x| x.m.is_zero())
+    }
+
+    /// rho^2 of parallel disks as numerator and denominator: |q|^2 / 4 in one plane; `None` in different ones.
+    pub(crate) fn parallel_sq(&self) -> Option<(Dyadic, Dyadic)> {
+        let one_plane = dot3(&self.d, &self.q).m.is_zero();
+        one_plane.then(|| (dot3(&self.q, &self.q), Dyadic::from(4).mul(&self.w.sqr())))
+    }
+
+    /// d_e^2, d_t^2 and X of theory.md, section 5, each times |u|^2 w^2.
+    fn distances(&self) -> [Dyadic; 3] {
+        let (aq, dq, uq) = (dot3(&self.a, &self.q), dot3(&self.d, &self.q), dot3(&self.u, &self.q));
+        [aq.sqr().mul(&dot3(&self.d, &self.d)), dq.sqr().mul(&dot3(&self.a, &self.a)), uq.sqr()]
+    }
+
+    /// rho^2 as numerator and denominator; `None` if the planes do not meet.
+    pub(crate) fn rho_sq(&self) -> Option<(Dyadic, Dyadic)> {
+        if self.parallel() {
+            return self.parallel_sq();
+        }
+        let [n1, n2, n3] = self.distances();
+        let den = dot3(&self.u, &self.u).mul(&self.w.sqr());
+        if n1.cmp(&n2.add(&n3)).is_ge() {
+            return Some((n1, den));
+        }
+        if n2.cmp(&n1.add(&n3)).is_ge() {
+            return Some((n2, den));
+        }
+        let num = n1.add(&n2).mul(&n3).mul(&Dyadic::from(2)).add(&n3.sqr()).add(&n1.sub(&n2).sqr());
+        Some((num, n3.mul(&Dyadic::from(4)).mul(&den)))
+    }
+
+    /// The point where disks of radius rho touch: the share of the two feet on the common line that is best there.
+    fn contact(&self) -> [Rational; 3] {
+        let (from, to) = (self.from.cartesian(), self.to.cartesian());
+        let two = Rational::from(BigInt::from(2));
+        if self.parallel() {
+            return std::array::from_fn(|k| (&from[k] + &to[k]) / &two);
+        }
+        let [n1, n2, n3] = self.distances();
+        let rational = |x: &[Dyadic; 3]| x.each_ref().map(Dyadic::rational);
+        let (d, a) = (rational(&self.d), rational(&self.a));
+        let [aa, dd, da] =
+            [dot3(&self.a, &self.a), dot3(&self.d, &self.d), dot3(&self.d, &self.a)].map(|x| x.rational());
+        let per = (dot3(&self.u, &self.u).mul(&self.w)).rational();
+        let (aq, dq) = (dot3(&self.a, &self.q).rational() / &per, dot3(&self.d, &self.q).rational() / &per);
+        let foot_e: [Rational; 3] = std::array::from_fn(|k| &from[k] + &aq * (&dd * &a[k] - &da * &d[k]));
+        let foot_t: [Rational; 3] = std::array::from_fn(|k| &to[k] - &dq * (&aa * &d[k] - &da * &a[k]));
+        if n1.cmp(&n2.add(&n3)).is_ge() {
+            return foot_e;
+        }
+        if n2.cmp(&n1.add(&n3)).is_ge() {
+            return foot_t;
+        }
+        let share = (n1.sub(&n2).rational() / n3.rational() + Rational::from(BigInt::from(1))) / two;
+        std::array::from_fn(|k| &foot_t[k] + &share * (&foot_e[k] - &foot_t[k]))
+    }
+}
+
 /// An exact upper bound for delta (unit box), with the points it rests on.
 #[derive(Debug, Clone)]
 pub(crate) struct Witness {
@@ -67,7 +139,7 @@ impl<'f> Exact<'f> {
 
     /// W1: the least f64 radius R at hand with kappa(t)^2 >= 1/R^2.
     pub(crate) fn curved(&mut self, peak: &Peak) -> Option<Witness> {
-        let at = At { segment: peak.segment, t: Dyadic::from_f64(peak.t) };
+        let at = At::near((peak.segment, peak.t));
         let a = self.hodograph(&at);
         let (forms, b) = self.span(at.segment);
         let (b, w) = (b.each_ref().map(|b| b.at(&at.t)), forms.w.at(&at.t));
@@ -81,13 +153,15 @@ impl<'f> Exact<'f> {
     /// W2 at an end of the spine and a point: rho(e, t)^2 is rational, no root is needed.
     pub(crate) fn disks(&mut self, contact: &Contact) -> Option<Witness> {
         let end = self.end(contact.finish);
-        let at = At { segment: contact.t.0, t: Dyadic::from_f64(contact.t.1) };
+        let at = At::near(contact.t);
         if distance(self.frame, &end, &at).m.is_zero() {
             return None; // one point is no pair
         }
-        let (num, den, x) = self.rho_sq(&end, &at)?;
+        let disks = self.disk_pair(&end, &at);
+        let (num, den) = disks.rho_sq()?;
         let radius = least_f64(contact.radius, |r| num.cmp(&r.sqr().mul(&den)).is_le())?;
-        Some(Witness { radius, s: Some(end), t: at, x: Some(x) })
+        let x = Some(disks.contact());
+        Some(Witness { radius, s: Some(end), t: at, x })
     }
 
     pub(crate) fn end(&self, finish: bool) -> At {
@@ -98,58 +172,23 @@ impl<'f> Exact<'f> {
         }
     }
 
-    /// rho(e, t)^2 as numerator and denominator, and the point where the disks touch; `None` if the planes do not meet.
-    pub(crate) fn rho_sq(&mut self, e: &At, t: &At) -> Option<(Dyadic, Dyadic, [Rational; 3])> {
-        let (pe, pt) = (self.point(e), self.point(t));
+    pub(crate) fn disk_pair(&mut self, e: &At, t: &At) -> DiskPair {
+        let (from, to) = (self.point(e), self.point(t));
         let (d, a) = (self.hodograph(e), self.hodograph(t));
-        // q = C(t) - C(e) = big_q / big_w
-        let q: [Dyadic; 3] = std::array::from_fn(|k| pt.x[k].mul(&pe.w).sub(&pe.x[k].mul(&pt.w)));
-        let w = pt.w.mul(&pe.w);
+        let (q, w) = gap(&from, &to);
         let u = cross3(&d, &a);
-        let (aq, dq, uq) = (dot3(&a, &q), dot3(&d, &q), dot3(&u, &q));
-        let (dd, aa, uu) = (dot3(&d, &d), dot3(&a, &a), dot3(&u, &u));
-        let rational = |x: &[Dyadic; 3]| x.each_ref().map(Dyadic::rational);
-        let (from, to) = (pe.cartesian(), pt.cartesian());
-        if uu.m.is_zero() {
-            let middle = std::array::from_fn(|k| (&from[k] + &to[k]) / Rational::from(BigInt::from(2)));
-            let four = Dyadic { m: Int::from(4), e: 0 };
-            return dq.m.is_zero().then(|| (dot3(&q, &q), four.mul(&w.sqr()), middle));
-        }
-        let (n1, n2, n3) = (aq.sqr().mul(&dd), dq.sqr().mul(&aa), uq.sqr());
-        let den = uu.mul(&w.sqr());
-        // the feet of the two centres on the common line
-        let (dr, ar, uur, wr) = (rational(&d), rational(&a), uu.rational(), w.rational());
-        let da = dot3(&d, &a).rational();
-        let foot_e: [Rational; 3] =
-            std::array::from_fn(|k| &from[k] + aq.rational() / (&wr * &uur) * (dd.rational() * &ar[k] - &da * &dr[k]));
-        let foot_t: [Rational; 3] =
-            std::array::from_fn(|k| &to[k] - dq.rational() / (&wr * &uur) * (aa.rational() * &dr[k] - &da * &ar[k]));
-        if n1.cmp(&n2.add(&n3)).is_ge() {
-            return Some((n1, den, foot_e));
-        }
-        if n2.cmp(&n1.add(&n3)).is_ge() {
-            return Some((n2, den, foot_t));
-        }
-        let two = Dyadic { m: Int::from(2), e: 0 };
-        let gap = n1.sub(&n2);
-        let num = n1.add(&n2).mul(&n3).mul(&two).add(&n3.sqr()).add(&gap.sqr());
-        let four = two.sqr();
-        let share =
-            (gap.rational() / n3.rational() + Rational::from(BigInt::from(1))) / Rational::from(BigInt::from(2));
-        let x = std::array::from_fn(|k| &foot_t[k] + &share * (&foot_e[k] - &foot_t[k]));
-        Some((num, n3.mul(&four).mul(&den), x))
+        DiskPair { from, to, d, a, q, w, u }
     }
 
     /// W3: valleys of the distance to a point x near the middle of a doubly critical pair.
     pub(crate) fn valleys(&mut self, pair: &Candidate) -> Option<Witness> {
-        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
-        let (s, t) = self.polished(at(pair.s), at(pair.t), pair.radius);
+        let (s, t) = self.polished(At::near(pair.s), At::near(pair.t), pair.radius);
         let (ps, pt) = (self.point(&s), self.point(&t));
         // the middle, to 70 bits beyond the distance
         let bits = 70 - decompose_exponent(pair.radius);
         let coordinate = |k: usize| {
             let num = ps.x[k].mul(&pt.w).add(&pt.x[k].mul(&ps.w));
-            rounded_quotient(&num, &ps.w.mul(&pt.w), bits + 1, bits)
+            rounded_quotient(&num, &Dyadic::from(2).mul(&ps.w).mul(&pt.w), bits)
         };
         let x = Point { x: [0, 1, 2].map(coordinate), w: Dyadic::ONE };
         let radius = self.both_distances(&x, &ps, &pt, pair.radius)?;
@@ -160,12 +199,12 @@ impl<'f> Exact<'f> {
     /// W3 for an end: x in the end's plane exactly, and a valley on the body.
     pub(crate) fn end_valley(&mut self, contact: &Contact) -> Option<Witness> {
         let e = self.end(contact.finish);
-        let t = At { segment: contact.t.0, t: Dyadic::from_f64(contact.t.1) };
+        let t = At::near(contact.t);
         let (pe, pt, d) = (self.point(&e), self.point(&t), self.hodograph(&e));
         // m = (C(e) + C(t)) / 2 = C(e) + q/2; x = m - (d.q / 2 d.d) d
-        let q: [Dyadic; 3] = std::array::from_fn(|k| pt.x[k].mul(&pe.w).sub(&pe.x[k].mul(&pt.w)));
+        let (q, _) = gap(&pe, &pt);
         let (dd, dq) = (dot3(&d, &d), dot3(&d, &q));
-        let two = Dyadic { m: Int::from(2), e: 0 };
+        let two = Dyadic::from(2);
         let w = two.mul(&dd).mul(&pe.w).mul(&pt.w);
         let x = std::array::from_fn(|k| {
             let base = pe.x[k].mul(&two).mul(&dd).mul(&pt.w);
@@ -179,28 +218,23 @@ impl<'f> Exact<'f> {
     }
 
     /// The larger of |x - C(s)| and |x - C(t)|, as an f64 from above.
-    pub(crate) fn both_distances(&mut self, x: &Point, ps: &Point, pt: &Point, near: f64) -> Option<f64> {
+    fn both_distances(&mut self, x: &Point, ps: &Point, pt: &Point, near: f64) -> Option<f64> {
         let (a, b) = (distance_sq(x, ps), distance_sq(x, pt));
         least_f64(near, |r| [&a, &b].iter().all(|(num, den)| num.cmp(&r.sqr().mul(den)).is_le()))
     }
 
-    pub(crate) fn valley_pair(&mut self, x: &Point, s: &At, t: &At) -> bool {
+    fn valley_pair(&mut self, x: &Point, s: &At, t: &At) -> bool {
         let apart = distance(self.frame, s, t);
-        let two = Dyadic { m: Int::from(2), e: 0 };
-        for j in 3..50 {
+        (3..50).any(|j| {
             let eta = step(j);
-            if apart.cmp(&eta.mul(&two)).is_gt()
+            apart.cmp(&step(j - 1)).is_gt()
                 && self.valley(x, s, &eta).unwrap_or(false)
                 && self.valley(x, t, &eta).unwrap_or(false)
-            {
-                return true;
-            }
-        }
-        false
+        })
     }
 
     /// |x - C(t)| < |x - C(t +- eta)|; `None` if the spine ends before.
-    pub(crate) fn valley(&mut self, x: &Point, t: &At, eta: &Dyadic) -> Option<bool> {
+    fn valley(&mut self, x: &Point, t: &At, eta: &Dyadic) -> Option<bool> {
         let here = self.point(t);
         let (num, den) = distance_sq(x, &here);
         for side in [eta.clone(), Dyadic::ZERO.sub(eta)] {
@@ -215,8 +249,7 @@ impl<'f> Exact<'f> {
 
     /// Half the distance of a candidate after Newton with exact residuals, numerically.
     pub(crate) fn half_distance(&mut self, pair: &Candidate) -> f64 {
-        let at = |(segment, t): (usize, f64)| At { segment, t: Dyadic::from_f64(t) };
-        let (s, t) = self.polished(at(pair.s), at(pair.t), pair.radius);
+        let (s, t) = self.polished(At::near(pair.s), At::near(pair.t), pair.radius);
         let (num, den) = distance_sq(&self.point(&s), &self.point(&t));
         0.5 * ratio(&num, &den).sqrt()
     }
@@ -229,12 +262,11 @@ impl<'f> Exact<'f> {
         for _ in 0..4 {
             let (ps, pt) = (self.point(&s), self.point(&t));
             let (a, b) = (self.hodograph(&s), self.hodograph(&t));
-            let q: [Dyadic; 3] = std::array::from_fn(|k| ps.x[k].mul(&pt.w).sub(&pt.x[k].mul(&ps.w)));
+            let (q, w) = gap(&pt, &ps);
             // first order: q + C'(s) ds - C'(t) dt orthogonal to both tangents (curvature times distance is negligible)
             let (ws, wt) = (ps.w.sqr(), pt.w.sqr());
             let velocity = |a: &[Dyadic; 3], w: &Dyadic| a.each_ref().map(|a| ratio(a, w));
             let (a, b) = (velocity(&a, &ws), velocity(&b, &wt));
-            let w = ps.w.mul(&pt.w);
             let q: V3 = q.each_ref().map(|q| ratio(q, &w));
             let d = super::tree::dot;
             let (aa, ab, bb, qa, qb) = (d(&a, &a), d(&a, &b), d(&b, &b), d(&q, &a), d(&q, &b));
@@ -251,17 +283,23 @@ impl<'f> Exact<'f> {
     }
 }
 
+/// The vector from one point to another, as numerators and their weight.
+fn gap(from: &Point, to: &Point) -> ([Dyadic; 3], Dyadic) {
+    let q = std::array::from_fn(|k| to.x[k].mul(&from.w).sub(&from.x[k].mul(&to.w)));
+    (q, to.w.mul(&from.w))
+}
+
 /// |x - p|^2 as numerator and denominator.
 pub(crate) fn distance_sq(x: &Point, p: &Point) -> (Dyadic, Dyadic) {
-    let gap: [Dyadic; 3] = std::array::from_fn(|k| x.x[k].mul(&p.w).sub(&p.x[k].mul(&x.w)));
-    (dot3(&gap, &gap), x.w.mul(&p.w).sqr())
+    let (gap, w) = gap(p, x);
+    (dot3(&gap, &gap), w.sqr())
 }
 
 /// Parameter distance in units of spans, round the closure if that is shorter.
 pub(crate) fn distance(frame: &Frame, s: &At, t: &At) -> Dyadic {
-    let position = |at: &At| Dyadic { m: Int::from(at.segment as i64), e: 0 }.add(&at.t);
+    let position = |at: &At| Dyadic::from(at.segment as i64).add(&at.t);
     let (a, b) = (position(s), position(t));
     let gap = if a.cmp(&b).is_ge() { a.sub(&b) } else { b.sub(&a) };
-    let around = Dyadic { m: Int::from(frame.segments.len() as i64), e: 0 }.sub(&gap);
+    let around = Dyadic::from(frame.segments.len() as i64).sub(&gap);
     if frame.closed && around.cmp(&gap).is_lt() { around } else { gap }
 }
