@@ -188,6 +188,47 @@ fn critical_pair_at_knots() {
     exactly(&peanut(q(1, 1000)), &q(1, 1000), LimitedBy::BodyToBody);
 }
 
+/// A bow over a line, joined by a cubic: the doubly critical pair has distance `height` and lies on the knot in the
+/// middle of the bow, and at the irrational zero of t^3 + t - 1 on the line.
+fn bow_over_a_line(height: i64) -> Curve {
+    let zero = int(0);
+    let bow: [&[Rational]; 3] =
+        [&[zero.clone(), int(1)], &[zero.clone(); 1], &[int(height), zero.clone(), int(1), zero.clone()]];
+    let line: [&[Rational]; 3] = [&[zero.clone()], &[int(-1), int(1), zero.clone(), int(1)], &[zero.clone()]];
+    let (left, right) = (from_powers(bow, &int(-1), &zero), from_powers(bow, &zero, &int(1)));
+    let line = from_powers(line, &int(-1), &int(2));
+    let joint = [[5, 0, height + 9], [0, -25, 0]].map(|p| p.map(int));
+    let pieces = [left.control_points(), &right.control_points()[1..], &joint[..], line.control_points()];
+    let knots = (0..=4).flat_map(|k| vec![int(k); if k % 4 == 0 { 4 } else { 3 }]).collect();
+    Curve::new(3, pieces.concat(), None, Some(knots)).expect("a curve")
+}
+
+#[test]
+fn critical_pair_at_a_knot_and_an_irrational_parameter() {
+    let spine = Spine::from_curve(bow_over_a_line(8)).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer");
+    let body = answer.terms.body_to_body;
+    assert!(answer.complete && body.is_within(1e-9) && body.lo <= 4.0 && 4.0 <= body.hi, "{answer:?}");
+}
+
+/// The strands cross where one has a knot and the other an irrational parameter.
+#[test]
+fn crossing_at_a_knot_and_an_irrational_parameter() {
+    let flat = shapes::map_points(&bow_over_a_line(0), |[x, y, z]| [x.clone(), y + z * int(1), int(0)]);
+    touching(&flat, LimitedBy::SelfContact);
+}
+
+#[test]
+fn terms_beside_a_self_contact() {
+    for curve in [alpha(int(0)), shapes::circle(6), figure_eight()] {
+        let spine = Spine::from_curve(curve).expect("a spine");
+        let answer = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer");
+        let terms = answer.terms;
+        assert!(answer.complete && terms.curvature.is_within(1e-9) && terms.curvature.lo > 0.0, "{answer:?}");
+        assert_eq!((terms.body_to_body.lo, terms.body_to_body.hi), (0.0, 0.0));
+    }
+}
+
 fn touching(curve: &Curve, by: LimitedBy) {
     let spine = Spine::from_curve(curve.clone()).expect("a spine");
     let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");

@@ -21,6 +21,8 @@ impl Enclosure {
     /// The enclosure of an infinite quantity, such as a term with no pair at all.
     pub const INFINITE: Self = Self { lo: f64::INFINITY, hi: f64::INFINITY };
 
+    pub(super) const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
+
     /// `hi - lo <= w hi`, or `lo = hi`.
     #[must_use]
     pub fn is_within(&self, w: f64) -> bool {

@@ -8,7 +8,7 @@ use crate::error::{Error, ErrorKind};
 use crate::number::{f64_above, f64_below, rational_from_f64, same};
 use crate::search::body;
 use crate::search::contact::Touch;
-use crate::search::curvature;
+use crate::search::curvature::{self, Peak};
 use crate::search::ends::{self, Contact, Of};
 use crate::search::frame::{At, Frame};
 use crate::search::meter::Meter;
@@ -43,15 +43,11 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
         return Err(Error::new(ErrorKind::Rounding, "floating-point rounding does not follow IEEE 754 here")
             .help("run on real hardware: emulators and valgrind are known to break directed rounding"));
     }
-    if let Some(corner) = &spine.corner {
-        return Ok(touching(
-            spine,
-            options,
-            LimitedBy::Corner,
-            Location { s: None, t: Enclosure::of(&spine.segments[corner.joint].from), x: None, end: None },
-        ));
-    }
     let frame = Frame::new(spine);
+    if let Some(corner) = &spine.corner {
+        let at = Location { s: None, t: Enclosure::of(&spine.segments[corner.joint].from), x: None, end: None };
+        return Ok(Job::new(&frame, options).corner(at));
+    }
     if curvature::straight(&frame) {
         let none = Enclosure::INFINITE;
         let terms = Terms { curvature: none, body_to_body: none, end_to_body: none, end_to_end: none };
@@ -69,31 +65,13 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
             stopped: None,
         });
     }
-    Ok(Job::new(&frame, options).run(spine))
+    Ok(Job::new(&frame, options).run())
 }
 
 fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
     let all = [terms.curvature, terms.body_to_body, end_to_body, end_to_end];
     let least = |pick: fn(&Enclosure) -> f64| all.iter().map(pick).fold(f64::INFINITY, f64::min);
     Rim { end_to_body, end_to_end, delta: Enclosure { lo: least(|e| e.lo), hi: least(|e| e.hi) } }
-}
-
-/// delta = 0, proved.
-fn touching(spine: &Spine, options: &RadiusOptions, limited_by: LimitedBy, at: Location) -> Radius {
-    let zero = Enclosure { lo: 0.0, hi: 0.0 };
-    let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
-    Radius {
-        delta: zero,
-        limited_by,
-        also: vec![],
-        closed: spine.is_closed(),
-        at: Some(at),
-        terms: Terms { curvature: open, body_to_body: open, end_to_body: open, end_to_end: open },
-        rim: options.all_terms.then_some(Rim { end_to_body: open, end_to_end: open, delta: zero }),
-        complete: true,
-        cells: 0,
-        stopped: None,
-    }
 }
 
 struct Job<'a> {
@@ -128,14 +106,14 @@ impl<'a> Job<'a> {
         Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin }
     }
 
-    fn run(mut self, spine: &Spine) -> Radius {
+    fn run(mut self) -> Radius {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
         // searches start a little above what binds already: a term that ties is met, one that does not is proved above
         let a_little = 1.0 + 4.0 * self.margin;
         let body = body::body_to_body(&mut self.tree, bend * a_little, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
         if let Some(touch) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
-            return touching(spine, self.options, LimitedBy::SelfContact, self.touch_location(&touch));
+            return self.touching(bend, peak, &touch);
         }
         let before_ends = bend.min(body.radius);
         let mut ends = f64::INFINITY;
@@ -221,6 +199,51 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// delta = 0 for a corner: the theory of the other terms does not hold across it.
+    fn corner(mut self, at: Location) -> Radius {
+        let curvature = if curvature::straight(self.frame) {
+            Enclosure::INFINITE
+        } else {
+            let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
+            self.curvature_term(bend, peak)
+        };
+        let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
+        let rim = Rim { end_to_body: open, end_to_end: open, delta: Enclosure::ZERO };
+        let terms = Terms { curvature, body_to_body: open, end_to_body: open, end_to_end: open };
+        self.nothing(LimitedBy::Corner, at, terms, Some(rim), true)
+    }
+
+    /// delta = 0 for a proved self-contact, which is a doubly critical pair at the distance 0.
+    fn touching(mut self, bend: f64, peak: Option<Peak>, touch: &Touch) -> Radius {
+        let curvature = self.curvature_term(bend, peak);
+        let ends = if self.frame.closed { Enclosure::INFINITE } else { Enclosure { lo: 0.0, hi: f64::INFINITY } };
+        let mut terms = Terms { curvature, body_to_body: Enclosure::ZERO, end_to_body: ends, end_to_end: ends };
+        let mut rim = None;
+        let complete = !self.options.all_terms || self.all_terms(&mut terms, &mut rim);
+        let at = self.touch_location(touch);
+        self.nothing(LimitedBy::SelfContact, at, terms, rim, complete)
+    }
+
+    fn nothing(self, limited_by: LimitedBy, at: Location, terms: Terms, rim: Option<Rim>, complete: bool) -> Radius {
+        Radius {
+            delta: Enclosure::ZERO,
+            limited_by,
+            also: vec![],
+            closed: self.frame.closed,
+            at: Some(at),
+            terms,
+            rim: rim.filter(|_| self.options.all_terms),
+            complete,
+            cells: self.meter.cells,
+            stopped: self.meter.stopped,
+        }
+    }
+
+    fn curvature_term(&mut self, bend: f64, peak: Option<Peak>) -> Enclosure {
+        let above = peak.and_then(|peak| self.exact.curved(&peak)).map_or(f64::INFINITY, |w| w.radius);
+        self.enclosure(bend, above)
+    }
+
     fn end_to_body(&mut self, finish: bool, of: Of, start: f64, own_term: bool) -> (f64, Option<Contact>) {
         ends::end_to_body(&mut self.tree, finish, of, start, own_term, self.margin, &mut self.meter)
     }
@@ -253,10 +276,12 @@ impl<'a> Job<'a> {
     /// Encloses every term by a search of its own, whatever binds; says whether all became as narrow as they can.
     fn all_terms(&mut self, terms: &mut Terms, rim: &mut Option<Rim>) -> bool {
         let width = self.options.rel_width;
-        let body = body::body_to_body(&mut self.tree, f64::INFINITY, self.margin, &mut self.meter);
-        let hi = body.candidate.map_or(f64::INFINITY, |pair| self.body_above(&pair, None));
-        terms.body_to_body =
-            Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
+        if terms.body_to_body.hi > 0.0 {
+            let body = body::body_to_body(&mut self.tree, f64::INFINITY, self.margin, &mut self.meter);
+            let hi = body.candidate.map_or(f64::INFINITY, |pair| self.body_above(&pair, None));
+            terms.body_to_body =
+                Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
+        }
         let mut complete = terms.body_to_body.is_within(width);
         if self.frame.closed {
             *rim = Some(rim_of(terms, Enclosure::INFINITE, Enclosure::INFINITE));

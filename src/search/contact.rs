@@ -18,6 +18,17 @@ pub(crate) struct Touch {
     pub(crate) points: Option<Vec<[Rational; 3]>>,
 }
 
+/// A short stretch of the spine, cut where it steps over a joint. The homogeneous points of the arcs agree at the joint,
+/// and their hodographs times `pace` too, so that D, D.a(s) and D.a(t) are continuous across it.
+struct Strand {
+    ends: [At; 2],
+    arcs: Vec<Bezier>,
+    pace: Vec<Int>,
+}
+
+/// A stretch as a segment and two of its parameters, the first perhaps below 0, the second perhaps above 1.
+type Stretch = (usize, Dyadic, Dyadic);
+
 impl Exact<'_> {
     /// W4: the two parameters of a candidate are one point, exactly (small denominators), or a planar spine crosses
     /// itself there by change of sign (Miranda).
@@ -29,29 +40,12 @@ impl Exact<'_> {
                 let whole = |m: &Int| Dyadic { m: m.clone(), e: 0 };
                 let below = rounded_quotient(&whole(num), &whole(den), 80);
                 let above = if den == &Int::ONE { below.clone() } else { below.add(&step(80)) };
-                (*segment, below, above)
+                strand(self.frame, &(*segment, below, above))
             };
-            return Some(self.touch(around(&s), around(&t)));
+            return Some(touch(&around(&s)?, &around(&t)?));
         }
-        let j = self.crosses(pair)?;
-        let around = |(segment, t): (usize, f64)| {
-            let t = truncated(&Dyadic::from_f64(t), 60);
-            (segment, t.sub(&step(j)), t.add(&step(j)))
-        };
-        Some(self.touch(around(pair.s), around(pair.t)))
-    }
-
-    fn touch(&mut self, s: (usize, Dyadic, Dyadic), t: (usize, Dyadic, Dyadic)) -> Touch {
-        let arc = self.frame.segments[s.0].arc(&s.1, &s.2);
-        // w > 0 at both ends, but a control weight of a long arc may not be: then no box is given
-        let points: Option<Vec<[Rational; 3]>> = (0..=arc.degree())
-            .map(|i| {
-                let [x, y, z, w] = arc.point(i);
-                w.sign().is_gt().then(|| [x, y, z].map(|x| Rational::new(x.big(), w.big())))
-            })
-            .collect();
-        let ends = |(segment, from, to): (usize, Dyadic, Dyadic)| [At { segment, t: from }, At { segment, t: to }];
-        Touch { s: ends(s), t: ends(t), points }
+        let [s, t] = self.crosses(pair)?;
+        Some(touch(&s, &t))
     }
 
     fn same_point(&mut self, s: &(usize, Int, Int), t: &(usize, Int, Int)) -> bool {
@@ -97,72 +91,137 @@ impl Exact<'_> {
         let centre = [s, t].map(|at| At { segment: at.segment, t: truncated(&at.t, 100) });
         let fine = pair.radius < POLISHED;
         for j in [80, 60, 44, 34, 28, 22, 16].into_iter().skip(if fine { 0 } else { 2 }) {
-            let Some((x, y)) = self.boxed(&centre, j) else { continue };
-            let (fx, fy) = (x.forms(), y.forms());
-            let y_forms = |v: &Vec3<Int>| v.clone().map(Form::transposed);
-            let (ry, wy, ay) = (y_forms(&fy.r), fy.w.clone().transposed(), y_forms(&fy.a));
-            let d: Vec3<Int> = std::array::from_fn(|k| fx.r[k].mul(&wy).sub(&ry[k].mul(&fx.w)));
+            let Some([x, y]) = self.boxed(&centre, j) else { continue };
             // q.C'(s) and q.C'(t) are D.a(s) and D.a(t) over w(s)^3 w(t) and w(s) w(t)^3: bring them to one scale
-            let (ratio, exp) = weight_ratio(&fx.w, &wy);
-            let mut second = dot(&d, &ay).scale(ratio * ratio);
-            second.exp += 2 * exp;
-            if opposite_faces(&dot(&d, &fx.a), &second, inverse) {
-                return half_distance_above(&x, &y);
+            let (ratio, exp) = weight_ratio(&x.arcs[0].forms().w, &y.arcs[0].forms().w);
+            let (pace, pace_exp) = (x.pace[0].bits() as i64, y.pace[0].bits() as i64);
+            let map = over(&x, &y, |d, ax, ay| {
+                let mut second = dot(d, ay).scale(ratio * ratio);
+                second.exp += 2 * exp + pace - pace_exp;
+                [dot(d, ax), second]
+            });
+            if opposite_faces(&map, inverse) {
+                return half_distance_above(&x.arcs, &y.arcs);
             }
         }
         None
     }
 
-    /// Exact arcs of half width 2^-j round the two parameters; `None` across a joint or if they overlap.
-    fn boxed(&self, [s, t]: &[At; 2], j: i64) -> Option<(Bezier, Bezier)> {
-        let eta = step(j);
-        let sides = |at: &At| {
-            let (from, to) = (at.t.sub(&eta), at.t.add(&eta));
-            let inside = from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le();
-            inside.then(|| self.frame.segments[at.segment].arc(&from, &to))
-        };
+    /// Stretches of half width 2^-j round the two parameters; `None` beyond an end of the spine or if they overlap.
+    fn boxed(&self, [s, t]: &[At; 2], j: i64) -> Option<[Strand; 2]> {
         distance(self.frame, s, t).cmp(&step(j - 2)).is_gt().then_some(())?;
-        Some((sides(s)?, sides(t)?))
+        let around = |at: &At| strand(self.frame, &(at.segment, at.t.sub(&step(j)), at.t.add(&step(j))));
+        Some([around(s)?, around(t)?])
     }
 
-    /// A planar spine that crosses itself near the candidate: D = 0 in a box of half width 2^-j, by Miranda; returns j.
-    fn crosses(&mut self, pair: &Candidate) -> Option<i64> {
+    /// A planar spine that crosses itself near the candidate: D = 0 in a box, by Miranda.
+    fn crosses(&mut self, pair: &Candidate) -> Option<[Strand; 2]> {
         let [i, k] = plane(self.frame)?;
         let centre = [pair.s, pair.t].map(|(segment, t)| At { segment, t: truncated(&Dyadic::from_f64(t), 60) });
         for j in [44, 34, 28, 22, 16, 10, 6] {
-            let Some((x, y)) = self.boxed(&centre, j) else { continue };
-            let (fx, fy) = (x.forms(), y.forms());
-            let d =
-                [i, k].map(|c| fx.r[c].mul(&fy.w.clone().transposed()).sub(&fy.r[c].clone().transposed().mul(&fx.w)));
+            let Some([x, y]) = self.boxed(&centre, j) else { continue };
             // dD/ds ~ a(s), dD/dt ~ -a(t), each up to a positive factor; scaled to one size
-            let column = |forms: &ExactForms, sign: f64| {
-                let top = [i, k].map(|c| forms.a[c].c[0].bits()).into_iter().max().unwrap_or(0) as i64;
-                [i, k].map(|c| sign * forms.a[c].c[0].to_f64_shifted(top))
+            let column = |strand: &Strand, sign: f64| {
+                let a = strand.arcs[0].forms().a;
+                let top = [i, k].map(|c| a[c].c[0].bits()).into_iter().max().unwrap_or(0) as i64;
+                [i, k].map(|c| sign * a[c].c[0].to_f64_shifted(top))
             };
-            let (a, b) = (column(&fx, 1.0), column(&fy, -1.0));
+            let (a, b) = (column(&x, 1.0), column(&y, -1.0));
             let inverse = inverse([[a[0], b[0]], [a[1], b[1]]])?;
-            if opposite_faces(&d[0], &d[1], inverse) {
-                return Some(j);
+            if opposite_faces(&over(&x, &y, |d, _, _| [d[i].clone(), d[k].clone()]), inverse) {
+                return Some([x, y]);
             }
         }
         None
     }
 }
 
-/// Miranda: with G = Y (F1, F2), G1 has opposite strict signs on the faces s = 0 and s = 1 of the unit square, G2 on
-/// t = 0 and t = 1.
-fn opposite_faces(f1: &Form<Int>, f2: &Form<Int>, y: [[f64; 2]; 2]) -> bool {
-    let combine = |row: [f64; 2]| f1.clone().scale(row[0]).add(&f2.clone().scale(row[1]));
-    let (g1, g2) = (combine(y[0]), combine(y[1]));
-    let sign = |mut coefficients: Box<dyn Iterator<Item = &Int> + '_>| -> Ordering {
-        let first = coefficients.next().map_or(Ordering::Equal, Int::sign);
-        if coefficients.all(|c| c.sign() == first) { first } else { Ordering::Equal }
+/// The exact arcs of a stretch of less than one segment, across a joint or the closure if need be; `None` beyond an end
+/// of an open spine.
+fn strand(frame: &Frame, (segment, from, to): &Stretch) -> Option<Strand> {
+    let at = |t: &Dyadic| frame.step(&At { segment: *segment, t: Dyadic::ZERO }, t);
+    let ends = [at(from)?, at(to)?];
+    let cut = |segment: usize, from: &Dyadic, to: &Dyadic| frame.segments[segment].arc(from, to);
+    if from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le() {
+        return Some(Strand { ends, arcs: vec![cut(*segment, from, to)], pace: vec![Int::ONE] });
+    }
+    let before = cut(ends[0].segment, &ends[0].t, &Dyadic::ONE);
+    let after = cut(ends[1].segment, &Dyadic::ZERO, &ends[1].t);
+    let (last, first) = (before.weight(before.degree()).clone(), after.weight(0).clone());
+    let arcs = vec![times(before, &first), times(after, &last)];
+    let (u, v) = (arcs[0].end_tangent(true), arcs[1].end_tangent(false));
+    let along = (0..3).find(|&k| !u[k].is_zero())?;
+    // end tangents are a(1) / n and a(0) / n
+    let [m, n] = [&arcs[0], &arcs[1]].map(|arc| Int::from(arc.degree() as i64));
+    let pace = vec![&v[along].abs() * &n, &u[along].abs() * &m];
+    Some(Strand { ends, arcs, pace })
+}
+
+fn times(mut arc: Bezier, factor: &Int) -> Bezier {
+    for c in arc.x.iter_mut().flatten().chain(&mut arc.w) {
+        *c = &*c * factor;
+    }
+    arc
+}
+
+fn touch(s: &Strand, t: &Strand) -> Touch {
+    // w > 0 at both ends, but a control weight of a long arc may not be: then no box is given
+    let point = |arc: &Bezier, i: usize| {
+        let [x, y, z, w] = arc.point(i);
+        w.sign().is_gt().then(|| [x, y, z].map(|x| Rational::new(x.big(), w.big())))
     };
+    let points = s.arcs.iter().flat_map(|arc| (0..=arc.degree()).map(move |i| point(arc, i))).collect();
+    Touch { s: s.ends.clone(), t: t.ends.clone(), points }
+}
+
+/// A map of two components on every pair of arcs of two strands, from D, a(s) and a(t): continuous across the joints.
+fn over(
+    x: &Strand,
+    y: &Strand,
+    map: impl Fn(&Vec3<Int>, &Vec3<Int>, &Vec3<Int>) -> [Form<Int>; 2],
+) -> Vec<Vec<[Form<Int>; 2]>> {
+    let forms = |strand: &Strand, other: bool| -> Vec<ExactForms> {
+        let turned = |f: Form<Int>| if other { f.transposed() } else { f };
+        let paced = |(arc, pace): (&Bezier, &Int)| {
+            let ExactForms { r, w, a } = arc.forms();
+            let factor = turned(Form::from_bernstein(std::slice::from_ref(pace)));
+            ExactForms { r: r.map(turned), w: turned(w), a: a.map(|a| turned(a).mul(&factor)) }
+        };
+        strand.arcs.iter().zip(&strand.pace).map(paced).collect()
+    };
+    let (xs, ys) = (forms(x, false), forms(y, true));
+    let pair = |fx: &ExactForms, fy: &ExactForms| {
+        let d: Vec3<Int> = std::array::from_fn(|k| fx.r[k].mul(&fy.w).sub(&fy.r[k].mul(&fx.w)));
+        map(&d, &fx.a, &fy.a)
+    };
+    xs.iter().map(|fx| ys.iter().map(|fy| pair(fx, fy)).collect()).collect()
+}
+
+/// Miranda: with G = Y (F1, F2), G1 has opposite strict signs on the faces s = 0 and s = 1 of a square, G2 on t = 0 and
+/// t = 1; the map is given on the parts of the square, rows along s.
+fn opposite_faces(map: &[Vec<[Form<Int>; 2]>], y: [[f64; 2]; 2]) -> bool {
+    fn one_sign(mut coefficients: impl Iterator<Item = Int>) -> Ordering {
+        let first = coefficients.next().map_or(Ordering::Equal, |c| c.sign());
+        if coefficients.all(|c| c.sign() == first) { first } else { Ordering::Equal }
+    }
+    let combine = |[f1, f2]: &[Form<Int>; 2], row: [f64; 2]| f1.clone().scale(row[0]).add(&f2.clone().scale(row[1]));
     let width = |g: &Form<Int>| g.dt + 1;
-    let row = |g: &'_ Form<Int>, i: usize| sign(Box::new(g.c[i * width(g)..(i + 1) * width(g)].iter()));
-    let column = |g: &'_ Form<Int>, j: usize| sign(Box::new(g.c.iter().skip(j).step_by(width(g))));
+    let row = |parts: &[[Form<Int>; 2]], last: bool| {
+        one_sign(parts.iter().flat_map(|f| {
+            let g = combine(f, y[0]);
+            let i = if last { g.ds } else { 0 };
+            g.c[i * width(&g)..(i + 1) * width(&g)].to_vec()
+        }))
+    };
+    let column = |last: bool| {
+        one_sign(map.iter().flat_map(|parts| {
+            let g = combine(&parts[if last { parts.len() - 1 } else { 0 }], y[1]);
+            let j = if last { g.dt } else { 0 };
+            g.c.iter().skip(j).step_by(width(&g)).cloned().collect::<Vec<_>>()
+        }))
+    };
     let opposite = |a: Ordering, b: Ordering| a != Ordering::Equal && a == b.reverse();
-    opposite(row(&g1, 0), row(&g1, g1.ds)) && opposite(column(&g2, 0), column(&g2, g2.dt))
+    opposite(row(&map[0], false), row(&map[map.len() - 1], true)) && opposite(column(false), column(true))
 }
 
 fn inverse(m: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
@@ -177,10 +236,10 @@ fn whole_point([x, y, z, w]: [Int; 4]) -> Point {
     Point { x: [x, y, z].map(dyadic), w: dyadic(w) }
 }
 
-/// Half the largest distance between control points of two short arcs, from above.
-fn half_distance_above(x: &Bezier, y: &Bezier) -> Option<f64> {
-    let points = |b: &Bezier| -> Option<Vec<Point>> {
-        let points = (0..=b.degree()).map(|i| b.point(i));
+/// Half the largest distance between control points of two short strands, from above.
+fn half_distance_above(x: &[Bezier], y: &[Bezier]) -> Option<f64> {
+    let points = |arcs: &[Bezier]| -> Option<Vec<Point>> {
+        let points = arcs.iter().flat_map(|b| (0..=b.degree()).map(|i| b.point(i)));
         points.map(|p| p[3].sign().is_gt().then(|| whole_point(p))).collect()
     };
     let (p, q) = (points(x)?, points(y)?);
