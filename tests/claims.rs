@@ -192,9 +192,8 @@ fn critical_pair_at_knots() {
 /// middle of the bow, and at the irrational zero of t^3 + t - 1 on the line.
 fn bow_over_a_line(height: i64) -> Curve {
     let zero = int(0);
-    let bow: [&[Rational]; 3] =
-        [&[zero.clone(), int(1)], &[zero.clone(); 1], &[int(height), zero.clone(), int(1), zero.clone()]];
-    let line: [&[Rational]; 3] = [&[zero.clone()], &[int(-1), int(1), zero.clone(), int(1)], &[zero.clone()]];
+    let bow: [&[Rational]; 3] = [&[int(0), int(1)], &[], &[int(height), int(0), int(1), int(0)]];
+    let line: [&[Rational]; 3] = [&[], &[int(-1), int(1), int(0), int(1)], &[]];
     let (left, right) = (from_powers(bow, &int(-1), &zero), from_powers(bow, &zero, &int(1)));
     let line = from_powers(line, &int(-1), &int(2));
     let joint = [[5, 0, height + 9], [0, -25, 0]].map(|p| p.map(int));
@@ -214,7 +213,7 @@ fn critical_pair_at_a_knot_and_an_irrational_parameter() {
 /// The strands cross where one has a knot and the other an irrational parameter.
 #[test]
 fn crossing_at_a_knot_and_an_irrational_parameter() {
-    let flat = shapes::map_points(&bow_over_a_line(0), |[x, y, z]| [x.clone(), y + z * int(1), int(0)]);
+    let flat = shapes::map_points(&bow_over_a_line(0), |[x, y, z]| [x.clone(), y + z, int(0)]);
     touching(&flat, LimitedBy::SelfContact);
 }
 
