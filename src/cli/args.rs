@@ -45,6 +45,9 @@ pub struct RadiusArgs {
     /// Enclose every term, also those that cannot bind, and the rim terms
     #[arg(long)]
     pub all_terms: bool,
+    /// Write the evidence to FILE, after replaying it; `tubecert verify` checks it
+    #[arg(long, value_name = "FILE")]
+    pub certificate: Option<PathBuf>,
     /// Stop after N cells with what is proved by then
     #[arg(long, value_name = "N", default_value_t = 20_000_000, allow_negative_numbers = true)]
     pub max_cells: u64,

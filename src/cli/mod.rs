@@ -86,6 +86,7 @@ fn radius(args: &RadiusArgs) -> Result<(String, u8), Box<Failure>> {
     let mut options = RadiusOptions::new()
         .rel_width(args.rel_width)
         .all_terms(args.all_terms)
+        .certificate(args.certificate.is_some())
         .max_cells(args.max_cells)
         .progress(progress);
     if let Some(limit) = args.budget {
@@ -95,6 +96,9 @@ fn radius(args: &RadiusArgs) -> Result<(String, u8), Box<Failure>> {
     bar.finish_and_clear();
 
     let answer = printable(answer.map_err(refused)?);
+    if let Some(path) = &args.certificate {
+        std::fs::write(path, answer.certificate.as_ref().unwrap().encode()).unwrap();
+    }
     let code = if answer.complete { DONE } else { UNDECIDED };
     let text = if args.json { json::radius(&spine, &answer) } else { text::radius(&spine, &answer, args) };
     Ok((text, code))

@@ -1,5 +1,6 @@
 //! What is asked of `radius`, and what it answers.
 
+use crate::certificate::Certificate;
 use crate::number::{Rational, f64_above, f64_below};
 use crate::search::meter::{Progress, Stop};
 use std::sync::Arc;
@@ -149,6 +150,9 @@ pub struct Radius {
     pub rim: Option<Rim>,
     /// Was everything enclosed as narrowly as asked?
     pub complete: bool,
+    /// The evidence for `delta`, if it was asked for (and can be written: see docs/certificate-format.md). The bounds it
+    /// proves are those of `delta` as printed.
+    pub certificate: Option<Certificate>,
     /// Cells that the searches looked at.
     pub cells: u64,
     /// Why the searches stopped early, if they did.
@@ -163,6 +167,8 @@ pub struct RadiusOptions {
     pub rel_width: f64,
     /// Enclose every term, and the rim terms.
     pub all_terms: bool,
+    /// Write the evidence down.
+    pub certificate: bool,
     /// Cells after which the searches stop, with what is proved by then. Default 20 million.
     pub max_cells: u64,
     /// Wall-clock limit; makes answers depend on the machine. Off by default.
@@ -178,6 +184,7 @@ impl std::fmt::Debug for RadiusOptions {
         f.debug_struct("RadiusOptions")
             .field("rel_width", &self.rel_width)
             .field("all_terms", &self.all_terms)
+            .field("certificate", &self.certificate)
             .field("max_cells", &self.max_cells)
             .field("budget", &self.budget)
             .finish_non_exhaustive()
@@ -186,7 +193,15 @@ impl std::fmt::Debug for RadiusOptions {
 
 impl Default for RadiusOptions {
     fn default() -> Self {
-        Self { rel_width: 1e-9, all_terms: false, max_cells: 20_000_000, budget: None, cancel: None, progress: None }
+        Self {
+            rel_width: 1e-9,
+            all_terms: false,
+            certificate: false,
+            max_cells: 20_000_000,
+            budget: None,
+            cancel: None,
+            progress: None,
+        }
     }
 }
 
@@ -208,6 +223,13 @@ impl RadiusOptions {
     #[must_use]
     pub fn all_terms(mut self, yes: bool) -> Self {
         self.all_terms = yes;
+        self
+    }
+
+    /// Asks for the certificate.
+    #[must_use]
+    pub fn certificate(mut self, yes: bool) -> Self {
+        self.certificate = yes;
         self
     }
 

@@ -1,9 +1,11 @@
 //! The tube radius delta: options in, enclosure out (theory.md, sections 2 to 5).
 
 mod answer;
+mod evidence;
 
 pub use answer::{Enclosure, LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms};
 
+use crate::certificate::Upper;
 use crate::error::{Error, ErrorKind};
 use crate::number::{f64_above, f64_below, rational_from_f64, same};
 use crate::search::body;
@@ -44,28 +46,36 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
             .help("run on real hardware: emulators and valgrind are known to break directed rounding"));
     }
     let frame = Frame::new(spine);
-    if let Some(corner) = &spine.corner {
-        let at = Location { s: None, t: Enclosure::of(&spine.segments[corner.joint].from), x: None, end: None };
-        return Ok(Job::new(&frame, options).corner(at));
+    let job = Job::new(&frame, options);
+    let margin = job.margin;
+    let (mut answer, upper) = match &spine.corner {
+        Some(corner) => job.corner(corner.joint),
+        None if curvature::straight(&frame) => (straight(options), Upper::None),
+        None => job.run(),
+    };
+    if options.certificate {
+        answer.certificate = evidence::certificate(spine, &frame, &answer.delta, upper, margin);
     }
-    if curvature::straight(&frame) {
-        let none = Enclosure::INFINITE;
-        let terms = Terms { curvature: none, body_to_body: none, end_to_body: none, end_to_end: none };
-        let rim = options.all_terms.then_some(Rim { end_to_body: none, end_to_end: none, delta: none });
-        return Ok(Radius {
-            delta: none,
-            limited_by: LimitedBy::None,
-            also: vec![],
-            closed: false,
-            at: None,
-            terms,
-            rim,
-            complete: true,
-            cells: 0,
-            stopped: None,
-        });
+    Ok(answer)
+}
+
+fn straight(options: &RadiusOptions) -> Radius {
+    let none = Enclosure::INFINITE;
+    let terms = Terms { curvature: none, body_to_body: none, end_to_body: none, end_to_end: none };
+    let rim = options.all_terms.then_some(Rim { end_to_body: none, end_to_end: none, delta: none });
+    Radius {
+        delta: none,
+        limited_by: LimitedBy::None,
+        also: vec![],
+        closed: false,
+        at: None,
+        terms,
+        rim,
+        complete: true,
+        certificate: None,
+        cells: 0,
+        stopped: None,
     }
-    Ok(Job::new(&frame, options).run())
 }
 
 fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
@@ -86,7 +96,7 @@ struct Job<'a> {
 
 /// An upper bound found for delta, in the unit box.
 #[derive(Debug, Clone)]
-struct Upper {
+struct Bound {
     term: LimitedBy,
     witness: Witness,
     end: Option<SpineEnd>,
@@ -106,14 +116,14 @@ impl<'a> Job<'a> {
         Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin }
     }
 
-    fn run(mut self) -> Radius {
+    fn run(mut self) -> (Radius, Upper) {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
         // searches start a little above what binds already: a term that ties is met, one that does not is proved above
         let a_little = 1.0 + 4.0 * self.margin;
         let body = body::body_to_body(&mut self.tree, bend * a_little, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
         if let Some(touch) = contact.and_then(|pair| self.exact.self_contact(&pair)) {
-            return self.touching(bend, peak, &touch);
+            return self.touching(bend, peak, touch);
         }
         let before_ends = bend.min(body.radius);
         let mut ends = f64::INFINITY;
@@ -132,19 +142,19 @@ impl<'a> Job<'a> {
         let radius = before_ends.min(ends);
         let curved = peak.and_then(|peak| self.exact.curved(&peak));
         let ceiling = curved.as_ref().map_or(f64::INFINITY, |w| w.radius);
-        let mut uppers: Vec<Upper> = vec![];
+        let mut uppers: Vec<Bound> = vec![];
         for contact in contacts.iter().filter(|c| c.radius < ceiling) {
             let witness = self.exact.disks(contact).into_iter().chain(self.exact.end_valley(contact));
             let Some(witness) = witness.min_by(|a, b| a.radius.total_cmp(&b.radius)) else { continue };
             let term = self.term(contact);
             let end = Some(if contact.finish { SpineEnd::Finish } else { SpineEnd::Start });
-            uppers.push(Upper { term, witness, end });
+            uppers.push(Bound { term, witness, end });
         }
         if let Some(pair) = body.candidate.filter(|c| c.radius < ceiling * (1.0 - 1e-12)) {
             let witness = self.exact.valleys(&pair);
-            uppers.extend(witness.map(|witness| Upper { term: LimitedBy::BodyToBody, witness, end: None }));
+            uppers.extend(witness.map(|witness| Bound { term: LimitedBy::BodyToBody, witness, end: None }));
         }
-        uppers.extend(curved.map(|witness| Upper { term: LimitedBy::Curvature, witness, end: None }));
+        uppers.extend(curved.map(|witness| Bound { term: LimitedBy::Curvature, witness, end: None }));
         // of witnesses that tie within what is asked, the last: curvature, then body to body
         let least = uppers.iter().map(|u| u.witness.radius).fold(f64::INFINITY, f64::min);
         let best = uppers.iter().rfind(|u| u.witness.radius <= least * (1.0 + self.margin));
@@ -185,7 +195,9 @@ impl<'a> Job<'a> {
             (LimitedBy::EndToEnd, terms.end_to_end),
         ];
         let meeting = all.into_iter().filter(|(term, e)| *term != limited_by && e.meets(&delta));
-        Radius {
+        let wanted = best.filter(|_| self.options.certificate && delta.hi.is_finite());
+        let upper = wanted.map_or(Upper::None, |u| u.witness.upper(self.frame));
+        let answer = Radius {
             delta,
             limited_by,
             also: meeting.map(|(term, _)| term).collect(),
@@ -194,13 +206,15 @@ impl<'a> Job<'a> {
             terms,
             rim,
             complete,
+            certificate: None,
             cells: self.meter.cells,
             stopped: self.meter.stopped,
-        }
+        };
+        (answer, upper)
     }
 
     /// delta = 0 for a corner: the theory of the other terms does not hold across it.
-    fn corner(mut self, at: Location) -> Radius {
+    fn corner(mut self, joint: usize) -> (Radius, Upper) {
         let curvature = if curvature::straight(self.frame) {
             Enclosure::INFINITE
         } else {
@@ -210,18 +224,19 @@ impl<'a> Job<'a> {
         let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
         let rim = Rim { end_to_body: open, end_to_end: open, delta: Enclosure::ZERO };
         let terms = Terms { curvature, body_to_body: open, end_to_body: open, end_to_end: open };
-        self.nothing(LimitedBy::Corner, at, terms, Some(rim), true)
+        let at = Location { s: None, t: Enclosure::of(&self.frame.knots[joint]), x: None, end: None };
+        (self.nothing(LimitedBy::Corner, at, terms, Some(rim), true), Upper::Corner(joint))
     }
 
     /// delta = 0 for a proved self-contact, which is a doubly critical pair at the distance 0.
-    fn touching(mut self, bend: f64, peak: Option<Peak>, touch: &Touch) -> Radius {
+    fn touching(mut self, bend: f64, peak: Option<Peak>, touch: Touch) -> (Radius, Upper) {
         let curvature = self.curvature_term(bend, peak);
         let ends = if self.frame.closed { Enclosure::INFINITE } else { Enclosure { lo: 0.0, hi: f64::INFINITY } };
         let mut terms = Terms { curvature, body_to_body: Enclosure::ZERO, end_to_body: ends, end_to_end: ends };
         let mut rim = None;
         let complete = !self.options.all_terms || self.all_terms(&mut terms, &mut rim);
-        let at = self.touch_location(touch);
-        self.nothing(LimitedBy::SelfContact, at, terms, rim, complete)
+        let at = self.touch_location(&touch);
+        (self.nothing(LimitedBy::SelfContact, at, terms, rim, complete), touch.upper)
     }
 
     fn nothing(self, limited_by: LimitedBy, at: Location, terms: Terms, rim: Option<Rim>, complete: bool) -> Radius {
@@ -234,6 +249,7 @@ impl<'a> Job<'a> {
             terms,
             rim: rim.filter(|_| self.options.all_terms),
             complete,
+            certificate: None,
             cells: self.meter.cells,
             stopped: self.meter.stopped,
         }
@@ -337,7 +353,7 @@ impl<'a> Job<'a> {
     }
 
     /// An upper bound for the body term: a doubly critical pair is proved to exist near the candidate.
-    fn body_above(&mut self, pair: &Candidate, best: Option<&Upper>) -> f64 {
+    fn body_above(&mut self, pair: &Candidate, best: Option<&Bound>) -> f64 {
         // on a closed spine, a valley below 1/kappa_max can be nothing else
         if let Some(upper) = best.filter(|u| u.term == LimitedBy::BodyToBody && self.frame.closed) {
             return self.enclosure(0.0, upper.witness.radius).hi;

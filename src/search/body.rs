@@ -14,8 +14,8 @@ use super::curvature::golden;
 use super::frame::Frame;
 use super::meter::Meter;
 use super::newton::{Candidate, newton_step, partner};
-use super::rules::{across, bent, bulge, decide, exact_arc, one_side, tilted};
-use super::tree::{Cell, Id, ROUNDING, Tree, V3, dot, norm, sub};
+use super::rules::{across, bent, bulge, decide, exact_arc, hulls_apart, one_side, tilted};
+use super::tree::{Cell, Id, ROUNDING, Tree, V3, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::integer::ldexp;
 use std::cmp::Reverse;
@@ -163,16 +163,7 @@ impl Search<'_, '_> {
         if one_side(x, y, x, e) || one_side(x, y, y, e) {
             return true;
         }
-        // every p - y.p[0] is no longer than this
-        let worst = x.p.iter().chain(&y.p).map(|p| norm(&sub(p, &y.p[0]))).fold(0.0f64, f64::max);
-        let slab = |u: &V3| {
-            let range = |c: &Cell, pick: fn(f64, f64) -> f64, from: f64| {
-                c.p.iter().map(|p| dot(&sub(p, &y.p[0]), u)).fold(from, pick)
-            };
-            let gap = range(x, f64::min, f64::INFINITY) - range(y, f64::max, f64::NEG_INFINITY);
-            let size = norm(u);
-            gap > (2.0 * self.radius * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size
-        };
+        let slab = |u: &V3| hulls_apart(&x.p, &y.p, e, u, self.radius) == Some(true);
         slab(q0) || slab(across)
     }
 

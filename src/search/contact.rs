@@ -5,9 +5,11 @@ use super::frame::{At, ExactForms, Frame, weight_ratio};
 use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
+use crate::certificate::{Foot, SpanArc, Upper};
 use crate::integer::Int;
-use crate::number::Rational;
+use crate::number::{Rational, compare};
 use crate::spine::Bezier;
+use num_bigint::BigInt;
 use std::cmp::Ordering;
 
 /// A proved self-contact: each parameter lies between two, the point in the hull of `points`.
@@ -16,6 +18,8 @@ pub(crate) struct Touch {
     pub(crate) s: [At; 2],
     pub(crate) t: [At; 2],
     pub(crate) points: Option<Vec<[Rational; 3]>>,
+    /// As docs/certificate-format.md has it; not for a crossing on a joint.
+    pub(crate) upper: Upper,
 }
 
 /// A short stretch of the spine, cut where it steps over a joint. The homogeneous points of the arcs agree at the joint,
@@ -42,10 +46,21 @@ impl Exact<'_> {
                 let above = if den == &Int::ONE { below.clone() } else { below.add(&step(80)) };
                 strand(self.frame, &(*segment, below, above))
             };
-            return Some(touch(&around(&s)?, &around(&t)?));
+            let upper = self.one_point(&s, &t);
+            return Some(touch(&around(&s)?, &around(&t)?, upper));
         }
-        let [s, t] = self.crosses(pair)?;
-        Some(touch(&s, &t))
+        let ([s, t], upper) = self.crosses(pair)?;
+        Some(touch(&s, &t, upper))
+    }
+
+    /// The witness of two equal points: the point lies in both normal planes.
+    fn one_point(&mut self, s: &(usize, Int, Int), t: &(usize, Int, Int)) -> Upper {
+        let [x, y, z, w] = self.homogeneous(s).map(|c| Rational::from(c.big()));
+        let x = self.frame.point(&[x / &w, y / &w, z / &w]);
+        let mut positions = [s, t]
+            .map(|(segment, num, den)| Rational::from(BigInt::from(*segment)) + Rational::new(num.big(), den.big()));
+        positions.sort_by(compare);
+        Upper::Contact { x, feet: positions.map(Foot::Plane) }
     }
 
     fn same_point(&mut self, s: &(usize, Int, Int), t: &(usize, Int, Int)) -> bool {
@@ -115,8 +130,8 @@ impl Exact<'_> {
     }
 
     /// A planar spine that crosses itself near the candidate: D = 0 in a box, by Miranda.
-    fn crosses(&mut self, pair: &Candidate) -> Option<[Strand; 2]> {
-        let [i, k] = plane(self.frame)?;
+    fn crosses(&mut self, pair: &Candidate) -> Option<([Strand; 2], Upper)> {
+        let (normal, [i, k]) = plane(self.frame)?;
         let centre = [pair.s, pair.t].map(|(segment, t)| At { segment, t: truncated(&Dyadic::from_f64(t), 60) });
         for j in [44, 34, 28, 22, 16, 10, 6] {
             let Some([x, y]) = self.boxed(&centre, j) else { continue };
@@ -129,7 +144,14 @@ impl Exact<'_> {
             let (a, b) = (column(&x, 1.0), column(&y, -1.0));
             let inverse = inverse([[a[0], b[0]], [a[1], b[1]]])?;
             if opposite_faces(&over(&x, &y, |d, _, _| [d[i].clone(), d[k].clone()]), inverse) {
-                return Some([x, y]);
+                let row = |row: [f64; 2]| {
+                    let mut vector = [0.0; 3];
+                    (vector[i], vector[k]) = (row[0], row[1]);
+                    vector.map(|x| Dyadic::from_f64(x).rational())
+                };
+                let normal = normal.map(|x| Rational::from(x.big()));
+                let upper = crossing([&x, &y], normal, inverse.map(row));
+                return Some(([x, y], upper));
             }
         }
         None
@@ -157,6 +179,26 @@ fn strand(frame: &Frame, (segment, from, to): &Stretch) -> Option<Strand> {
     Some(Strand { ends, arcs, pace })
 }
 
+/// The witness of a crossing, its arcs in the order of the spine. `Upper::None` across a joint: the format has no such.
+fn crossing([s, t]: [&Strand; 2], normal: [Rational; 3], [first, second]: [[Rational; 3]; 2]) -> Upper {
+    if s.arcs.len() + t.arcs.len() > 2 {
+        return Upper::None;
+    }
+    let arc = |strand: &Strand| {
+        let [from, to] = &strand.ends;
+        // an arc that ends at a joint ends in its own segment
+        let end = if to.segment == from.segment { to.t.rational() } else { Dyadic::ONE.rational() };
+        SpanArc { span: from.segment, from: from.t.rational(), to: end }
+    };
+    let place = |strand: &Strand| (strand.ends[0].segment, strand.ends[0].t.rational());
+    let ((i, a), (j, b)) = (place(s), place(t));
+    if i.cmp(&j).then(compare(&a, &b)).is_lt() {
+        Upper::Crossing { arcs: [arc(s), arc(t)], normal, first, second }
+    } else {
+        Upper::Crossing { arcs: [arc(t), arc(s)], normal, first: second, second: first }
+    }
+}
+
 fn times(mut arc: Bezier, factor: &Int) -> Bezier {
     for c in arc.x.iter_mut().flatten().chain(&mut arc.w) {
         *c = &*c * factor;
@@ -164,14 +206,14 @@ fn times(mut arc: Bezier, factor: &Int) -> Bezier {
     arc
 }
 
-fn touch(s: &Strand, t: &Strand) -> Touch {
+fn touch(s: &Strand, t: &Strand, upper: Upper) -> Touch {
     // w > 0 at both ends, but a control weight of a long arc may not be: then no box is given
     let point = |arc: &Bezier, i: usize| {
         let [x, y, z, w] = arc.point(i);
         w.sign().is_gt().then(|| [x, y, z].map(|x| Rational::new(x.big(), w.big())))
     };
     let points = s.arcs.iter().flat_map(|arc| (0..=arc.degree()).map(move |i| point(arc, i))).collect();
-    Touch { s: s.ends.clone(), t: t.ends.clone(), points }
+    Touch { s: s.ends.clone(), t: t.ends.clone(), points, upper }
 }
 
 /// A map of two components on every pair of arcs of two strands, from D, a(s) and a(t): continuous across the joints.
@@ -295,8 +337,9 @@ fn simplest((segment, t): (usize, f64)) -> Option<(usize, Int, Int)> {
     None
 }
 
-/// Two coordinates on which a planar spine projects one to one; `None` if it is not planar.
-pub(crate) fn plane(frame: &Frame) -> Option<[usize; 2]> {
+/// The normal of the plane of a planar spine, and two coordinates on which it projects one to one; `None` if it is not
+/// planar.
+pub(crate) fn plane(frame: &Frame) -> Option<([Int; 3], [usize; 2])> {
     let points: Vec<[Int; 4]> = frame.segments.iter().flat_map(|b| (0..=b.degree()).map(|i| b.point(i))).collect();
     let minus =
         |p: &[Int; 4], q: &[Int; 4]| -> [Int; 3] { std::array::from_fn(|k| &(&p[k] * &q[3]) - &(&q[k] * &p[3])) };
@@ -312,5 +355,5 @@ pub(crate) fn plane(frame: &Frame) -> Option<[usize; 2]> {
         return None;
     }
     let drop = (0..3).max_by_key(|&k| normal[k].abs())?;
-    Some([(drop + 1) % 3, (drop + 2) % 3])
+    Some((normal, [(drop + 1) % 3, (drop + 2) % 3]))
 }

@@ -22,7 +22,7 @@ pub(crate) struct Peak {
 
 /// Bernstein coefficients of a, b and w on a cell, in f64: value = 2^exp (c +- rad).
 #[derive(Clone)]
-struct Strips {
+pub(super) struct Strips {
     a: Strip<3>,
     b: Strip<3>,
     w: Strip<1>,
@@ -93,14 +93,39 @@ fn length<const N: usize>(v: &[f64; N]) -> f64 {
 }
 
 impl Strips {
-    fn new(bezier: &Bezier) -> Self {
+    pub(super) fn new(bezier: &Bezier) -> Self {
         let (forms, b) = (bezier.forms(), bezier.binormal());
         Self { a: Strip::new(forms.a.each_ref()), b: Strip::new(b.each_ref()), w: Strip::new([&forms.w]) }
     }
 
-    fn halves(&self) -> (Self, Self) {
+    pub(super) fn halves(&self) -> (Self, Self) {
         let ((a0, a1), (b0, b1), (w0, w1)) = (self.a.halves(), self.b.halves(), self.w.halves());
         (Self { a: a0, b: b0, w: w0 }, Self { a: a1, b: b1, w: w1 })
+    }
+
+    /// Starts again from the exact cell where rounding has eaten the hodograph.
+    pub(super) fn freshen(&mut self, bezier: &Bezier, depth: u32, index: &Int) {
+        let shortest = self.a.c.iter().map(length).fold(f64::INFINITY, f64::min);
+        if depth > 0 && depth.is_multiple_of(4) && shortest < 1e6 * self.a.rad {
+            *self = Self::new(&bezier.cell(index, depth));
+        }
+    }
+
+    /// The rule `curved` of docs/certificate-format.md: w > 0, a != 0 and, for r > 0, 1/kappa > r.
+    pub(super) fn curved(&self, bezier: &Bezier, depth: u32, index: &Int, r: f64) -> bool {
+        fn rule<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>, w: &Form<T>, r: f64) -> Option<bool> {
+            let above = || if r > 0.0 { form(a, b, w, r).positive() } else { dot(a, a).positive() };
+            match w.positive() {
+                Some(true) => above(),
+                other => other,
+            }
+        }
+        let [w] = self.w.forms();
+        rule(&self.a.forms(), &self.b.forms(), &w, r).unwrap_or_else(|| {
+            let arc = bezier.cell(index, depth);
+            let (forms, b) = (arc.forms(), arc.binormal());
+            rule(&forms.a, &b, &forms.w, r) == Some(true)
+        })
     }
 
     /// 1/kappa = |a|^3 / (|b| w^3) from three lengths.
@@ -155,11 +180,7 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
     for (segment, span) in spans.iter().enumerate() {
         let mut open = vec![(span.clone(), 0u32, Int::ZERO)];
         while let Some((mut strips, depth, index)) = open.pop() {
-            let shortest = strips.a.c.iter().map(length).fold(f64::INFINITY, f64::min);
-            if depth > 0 && depth.is_multiple_of(4) && shortest < 1e6 * strips.a.rad {
-                // rounding has eaten the hodograph: start again from the exact cell
-                strips = Strips::new(&frame.segments[segment].cell(&index, depth));
-            }
+            strips.freshen(&frame.segments[segment], depth, &index);
             if search.closed(segment, &strips, depth, &index) {
                 continue;
             }

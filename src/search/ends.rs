@@ -11,12 +11,14 @@
 use super::body::FLOOR;
 use super::curvature::golden;
 use super::dyadic::{Dyadic, ratio};
+use super::evidence::{self, balls_apart, direction, exact_points};
 use super::frame::{At, Frame};
 use super::meter::Meter;
 use super::rules::first_true;
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
+use crate::certificate::Node;
 use crate::enclosure::Interval;
 use crate::integer::{Int, ldexp};
 use crate::spine::Bezier;
@@ -51,22 +53,7 @@ pub(crate) fn end_to_body(
     margin: f64,
     meter: &mut Meter,
 ) -> (f64, Option<Contact>) {
-    let end = End::new(tree.frame, finish);
-    let planar = of == Of::Rims && super::contact::plane(tree.frame).is_some();
-    let exact = Exact::new(tree.frame);
-    let mut search = Search {
-        tree,
-        exact,
-        end,
-        of,
-        own_term,
-        planar,
-        margin,
-        radius: start.min(1e150),
-        contact: None,
-        reach: vec![],
-        broken: false,
-    };
+    let mut search = Search::new(tree, finish, of, start, own_term, margin);
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
         if search.radius < FLOOR {
@@ -181,8 +168,8 @@ impl Terms {
     }
 }
 
-struct Search<'t, 'f> {
-    tree: &'t mut Tree<'f>,
+pub(super) struct Search<'t, 'f> {
+    pub(super) tree: &'t mut Tree<'f>,
     exact: Exact<'f>,
     end: End,
     of: Of,
@@ -198,7 +185,75 @@ struct Search<'t, 'f> {
     broken: bool,
 }
 
-impl Search<'_, '_> {
+impl<'t, 'f> Search<'t, 'f> {
+    pub(super) fn new(tree: &'t mut Tree<'f>, finish: bool, of: Of, start: f64, own_term: bool, margin: f64) -> Self {
+        let frame = tree.frame;
+        Self {
+            exact: Exact::new(frame),
+            end: End::new(frame, finish),
+            planar: of == Of::Rims && super::contact::plane(frame).is_some(),
+            tree,
+            of,
+            own_term,
+            margin,
+            radius: start.min(1e150),
+            contact: None,
+            reach: vec![],
+            broken: false,
+        }
+    }
+
+    /// The middle between the tangents of the end and of the farthest point all of whose pairs up to the end are local.
+    pub(super) fn axis_of_local(&mut self) -> V3 {
+        let mut open = vec![self.tree.root()];
+        while let Some(id) = open.pop() {
+            if self.local(id) {
+                self.reach.push(id);
+                continue;
+            }
+            if self.leaf(id).is_some() {
+                break;
+            }
+            let Some((left, right)) = self.tree.children(id) else { break };
+            open.extend(if self.end.finish { [left, right] } else { [right, left] });
+        }
+        let unit = |v: &V3| {
+            let length = norm(v);
+            v.map(|x| x / length)
+        };
+        let here = unit(&self.end.tangent);
+        let Some(far) = self.reach.last() else { return here };
+        let node = self.tree.node(*far);
+        let there = unit(&self.tree.velocity(if self.end.finish { &node.start } else { &node.end }));
+        std::array::from_fn(|k| here[k] + there[k])
+    }
+
+    /// A rule of docs/certificate-format.md that closes the node, other than `local`.
+    pub(super) fn leaf(&self, id: Id) -> Option<Node> {
+        let node = self.tree.node(id);
+        let q0 = sub(&node.mid, &self.end.point);
+        if let Some(u) = balls_apart(&q0, node.rad + 8.0 * ROUNDING, self.radius) {
+            return Some(Node::Slab(u));
+        }
+        let cell = node.cell.as_ref().filter(|c| !c.p.is_empty())?;
+        let e = 2.0 * cell.p_err + 8.0 * ROUNDING;
+        let exact = || {
+            let arc = self.tree.frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth);
+            (exact_points(&arc), vec![self.end.exact_point.clone()])
+        };
+        let end = std::slice::from_ref(&self.end.point);
+        if let Some(u) = direction(&q0, &cell.p, end, e, self.radius, exact) {
+            return Some(Node::Slab(u));
+        }
+        let h = ldexp(1.0, -i64::from(cell.depth));
+        let k = (self.share(cell.segment, cell.index as f64 * h, h) * evidence::UNIT).round();
+        let share = k / evidence::UNIT;
+        let closed = against(cell, &self.end).apart(self.radius, share);
+        let closed = closed
+            .unwrap_or_else(|| exact_against(self.tree.frame, cell, &self.end).apart(self.radius, share) == Some(true));
+        closed.then_some(Node::Share(k as i64))
+    }
+
     fn gap(&self, id: Id) -> f64 {
         let node = self.tree.node(id);
         norm(&sub(&node.mid, &self.end.point)) * (1.0 - ROUNDING) - node.rad * (1.0 + ROUNDING) - 8.0 * ROUNDING

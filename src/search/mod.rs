@@ -5,6 +5,7 @@ pub(crate) mod contact;
 pub(crate) mod curvature;
 pub(crate) mod dyadic;
 pub(crate) mod ends;
+pub(crate) mod evidence;
 pub(crate) mod frame;
 pub(crate) mod meter;
 pub(crate) mod newton;

@@ -1,5 +1,6 @@
 //! The rules that close a pair of cells; see `body` for what each proves.
 
+use super::dyadic::Dyadic;
 use super::frame::{ArcForms, ExactForms, Frame, weight_ratio};
 use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
@@ -46,17 +47,31 @@ fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> 
 
 /// The *bent* rule in f64 on two cells.
 pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
-    let d = difference(x, y);
-    let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
-    let plain = stretched(&d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
     // dC/d sigma = pace a / w^2 on a cell, up to O(h^2); the weights at the middle
     let middle = |c: &Cell| if c.w.is_empty() { 1.0 } else { c.w[c.w.len() / 2] };
     let pace = |c: &Cell| {
         let mean: V3 = std::array::from_fn(|k| c.a.iter().map(|a| a[k]).sum::<f64>() / c.a.len() as f64);
         norm(&sub(&c.p[c.p.len() - 1], &c.p[0])) * (middle(c) * middle(c)) / norm(&mean)
     };
-    let ratio = middle(y) / middle(x);
-    let (kx, ky) = (-ratio * pace(x), pace(y) / ratio);
+    bent_by(x, y, radius, centre, middle(y) / middle(x), [pace(x), pace(y)])
+}
+
+/// The same with the multipliers of docs/certificate-format.md: the quotient of the first weights, and hodographs that
+/// are those of the cells' r and w.
+pub(crate) fn bent_as_written(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
+    let pace = |c: &Cell| {
+        let (p, q) = (&c.r[0], &c.r[1]);
+        let first: V3 = std::array::from_fn(|k| q[k] * c.weight(0) - p[k] * c.weight(1));
+        (c.r.len() - 1) as f64 * norm(&first) / norm(&c.a[0])
+    };
+    bent_by(x, y, radius, centre, y.weight(0) / x.weight(0), [pace(x), pace(y)])
+}
+
+fn bent_by(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2], ratio: f64, pace: [f64; 2]) -> Option<bool> {
+    let d = difference(x, y);
+    let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
+    let plain = stretched(&d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
+    let (kx, ky) = (-ratio * pace[0], pace[1] / ratio);
     let first = Form::from_strip(&[-centre[0] * kx, (1.0 - centre[0]) * kx], 0.0, 0);
     let second = Form::from_strip(&[-centre[1] * ky, (1.0 - centre[1]) * ky], 0.0, 0).transposed();
     plain.add(&first.mul(&form::dot(&d, &ax))).add(&second.mul(&form::dot(&d, &ay))).positive()
@@ -113,6 +128,36 @@ pub(crate) fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
         side = now;
     }
     true
+}
+
+/// Is u.(p - q) > 2r |u| for all p and q, which are off such that p - q is off by at most `e`? `None`: f64 cannot tell.
+pub(crate) fn hulls_apart(p: &[V3], q: &[V3], e: f64, u: &V3, r: f64) -> Option<bool> {
+    let base = &q[0];
+    // every p - base is no longer than this
+    let worst = p.iter().chain(q).map(|p| norm(&sub(p, base))).fold(0.0f64, f64::max);
+    let range = |points: &[V3], pick: fn(f64, f64) -> f64, from: f64| {
+        points.iter().map(|p| dot(&sub(p, base), u)).fold(from, pick)
+    };
+    let gap = range(p, f64::min, f64::INFINITY) - range(q, f64::max, f64::NEG_INFINITY);
+    let size = norm(u);
+    if gap > (2.0 * r * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size {
+        return Some(true);
+    }
+    (gap < (2.0 * r * size - e * size) * (1.0 - ROUNDING) - ROUNDING * worst * size).then_some(false)
+}
+
+/// The same for homogeneous integer points.
+pub(crate) fn hulls_apart_exactly(p: &[[Int; 4]], q: &[[Int; 4]], u: &[i64; 3], r: f64) -> bool {
+    let u = u.map(Int::from);
+    let dot = |a: &[Int]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &u[k]));
+    let size = dot(&u);
+    let (r, square) = (Dyadic::from_f64(2.0 * r), |x: &Int| x * x);
+    let apart = |p: &[Int; 4], q: &[Int; 4]| {
+        let (gap, w) = (&(&dot(p) * &q[3]) - &(&dot(q) * &p[3]), &p[3] * &q[3]);
+        let reach = r.sqr().mul(&Dyadic { m: &square(&w) * &size, e: 0 });
+        w.sign().is_gt() && gap.sign().is_gt() && Dyadic { m: square(&gap), e: 0 }.cmp(&reach).is_gt()
+    };
+    p.iter().all(|p| q.iter().all(|q| apart(p, q)))
 }
 
 /// A direction from the second arc to the first that is orthogonal to both, if they are nearly straight.

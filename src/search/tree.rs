@@ -3,7 +3,7 @@
 
 use super::frame::Frame;
 use crate::bernstein::{Form, UNIT, Vec3};
-use crate::integer::Int;
+use crate::integer::{Int, ldexp};
 
 pub(crate) type V3 = [f64; 3];
 
@@ -198,6 +198,13 @@ impl<'a> Tree<'a> {
         self.node(a).cone.with(&self.node(b).cone).within_45_degrees()
     }
 
+    /// The first derivative at a place, numerically.
+    pub(crate) fn velocity(&self, at: &Place) -> V3 {
+        let last = at.segment == self.spans.len();
+        let (segment, t) = if last { (at.segment - 1, 1.0) } else { (at.segment, at.fraction as f64) };
+        self.evaluate(segment, if last { t } else { ldexp(t, -i64::from(MAX_DEPTH)) })[1]
+    }
+
     /// Point, first and second derivative with respect to the span's parameter: plain f64, no bound (search only).
     pub(crate) fn evaluate(&self, segment: usize, t: f64) -> [V3; 3] {
         let cell = self.span(segment);
@@ -262,7 +269,7 @@ impl Cone {
     }
 
     /// Lower bound for the cosine of the angle between another axis and any vector of the cone.
-    fn about(&self, axis: &V3) -> f64 {
+    pub(crate) fn about(&self, axis: &V3) -> f64 {
         let between = dot(axis, &self.axis).min(1.0);
         if self.cos <= 0.0 || between <= 0.0 {
             return -1.0;

@@ -8,8 +8,9 @@ use super::frame::{At, ExactForms, Frame};
 use super::newton::Candidate;
 use super::tree::V3;
 use crate::bernstein::Vec3;
+use crate::certificate::{Foot, Upper};
 use crate::integer::Int;
-use crate::number::Rational;
+use crate::number::{Rational, compare};
 use num_bigint::BigInt;
 
 /// Candidates closer than this are polished with exact residuals: f64 no longer resolves them well.
@@ -114,6 +115,27 @@ pub(crate) struct Witness {
     pub(crate) s: Option<At>,
     pub(crate) t: At,
     pub(crate) x: Option<[Rational; 3]>,
+    /// Half the widths of the valleys round s and t; `None` where x is in the normal plane itself.
+    valleys: [Option<Dyadic>; 2],
+}
+
+impl Witness {
+    /// As docs/certificate-format.md has it.
+    pub(crate) fn upper(&self, frame: &Frame) -> Upper {
+        let (Some(s), Some(x)) = (&self.s, &self.x) else {
+            return Upper::Curvature { span: self.t.segment, t: self.t.t.rational() };
+        };
+        let [at_s, at_t] = [s, &self.t].map(|at| Rational::from(BigInt::from(at.segment)) + at.t.rational());
+        let foot = |at: &Rational, eta: &Option<Dyadic>| match eta.as_ref().map(Dyadic::rational) {
+            Some(eta) => Foot::Valley([at - &eta, at.clone(), at + &eta]),
+            None => Foot::Plane(at.clone()),
+        };
+        let mut feet = [foot(&at_s, &self.valleys[0]), foot(&at_t, &self.valleys[1])];
+        if compare(&at_s, &at_t).is_gt() {
+            feet.reverse();
+        }
+        Upper::Contact { x: frame.point(x), feet }
+    }
 }
 
 impl<'f> Exact<'f> {
@@ -147,7 +169,7 @@ impl<'f> Exact<'f> {
         let left = a2.sqr().mul(&a2);
         let right = dot3(&b, &b).mul(&w.sqr().mul(&w).sqr());
         let radius = least_f64(peak.radius, |r| left.cmp(&r.sqr().mul(&right)).is_le())?;
-        Some(Witness { radius, s: None, t: at, x: None })
+        Some(Witness { radius, s: None, t: at, x: None, valleys: [None, None] })
     }
 
     /// W2 at an end of the spine and a point: rho(e, t)^2 is rational, no root is needed.
@@ -161,7 +183,7 @@ impl<'f> Exact<'f> {
         let (num, den) = disks.rho_sq()?;
         let radius = least_f64(contact.radius, |r| num.cmp(&r.sqr().mul(&den)).is_le())?;
         let x = Some(disks.contact());
-        Some(Witness { radius, s: Some(end), t: at, x })
+        Some(Witness { radius, s: Some(end), t: at, x, valleys: [None, None] })
     }
 
     pub(crate) fn end(&self, finish: bool) -> At {
@@ -192,8 +214,8 @@ impl<'f> Exact<'f> {
         };
         let x = Point { x: [0, 1, 2].map(coordinate), w: Dyadic::ONE };
         let radius = self.both_distances(&x, &ps, &pt, pair.radius)?;
-        self.valley_pair(&x, &s, &t).then_some(())?;
-        Some(Witness { radius, s: Some(s), t, x: Some(x.cartesian()) })
+        let eta = self.valley_pair(&x, &s, &t)?;
+        Some(Witness { radius, s: Some(s), t, x: Some(x.cartesian()), valleys: [Some(eta.clone()), Some(eta)] })
     }
 
     /// W3 for an end: x in the end's plane exactly, and a valley on the body.
@@ -213,8 +235,8 @@ impl<'f> Exact<'f> {
         let x = Point { x, w };
         let radius = self.both_distances(&x, &pe, &pt, contact.radius)?;
         let reach = |steps: &Dyadic| distance(self.frame, &e, &t).cmp(steps).is_gt();
-        (3..50).map(step).find(|eta| reach(eta) && self.valley(&x, &t, eta).unwrap_or(false))?;
-        Some(Witness { radius, s: Some(e), t, x: Some(x.cartesian()) })
+        let eta = (3..50).map(step).find(|eta| reach(eta) && self.valley(&x, &t, eta).unwrap_or(false))?;
+        Some(Witness { radius, s: Some(e), t, x: Some(x.cartesian()), valleys: [None, Some(eta)] })
     }
 
     /// The larger of |x - C(s)| and |x - C(t)|, as an f64 from above.
@@ -223,13 +245,14 @@ impl<'f> Exact<'f> {
         least_f64(near, |r| [&a, &b].iter().all(|(num, den)| num.cmp(&r.sqr().mul(den)).is_le()))
     }
 
-    fn valley_pair(&mut self, x: &Point, s: &At, t: &At) -> bool {
+    /// The half width of two valleys that do not overlap.
+    fn valley_pair(&mut self, x: &Point, s: &At, t: &At) -> Option<Dyadic> {
         let apart = distance(self.frame, s, t);
-        (3..50).any(|j| {
-            let eta = step(j);
-            apart.cmp(&step(j - 1)).is_gt()
+        (3..50).map(|j| (step(j), step(j - 1))).find_map(|(eta, both)| {
+            let valleys = apart.cmp(&both).is_gt()
                 && self.valley(x, s, &eta).unwrap_or(false)
-                && self.valley(x, t, &eta).unwrap_or(false)
+                && self.valley(x, t, &eta).unwrap_or(false);
+            valleys.then_some(eta)
         })
     }
 

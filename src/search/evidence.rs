@@ -1,0 +1,291 @@
+//! The evidence for a lower bound: split trees whose leaves name a rule (docs/certificate-format.md).
+//!
+//! The searches are run once more at the radius that they proved, in the order of the trees, with the rules as the
+//! checker will have them. What is written here claims nothing: it is replayed before it is given out.
+
+use super::curvature::Strips;
+use super::ends::{Of, Search};
+use super::frame::{Frame, weight_ratio};
+use super::newton::newton_step;
+use super::rules::{across, bent_as_written, bulge, exact_arc, hulls_apart, hulls_apart_exactly, one_side, tilted};
+use super::tree::{Cell, Cone, Id, ROUNDING, Tree, V3, norm, sub};
+use crate::bernstein::{Form, Vec3, dot};
+use crate::certificate::{EndTree, Node, Which};
+use crate::integer::{Int, decompose, ldexp};
+use crate::spine::Bezier;
+
+/// More nodes are not written: such a certificate would be of no use.
+const MAX_NODES: usize = 20_000_000;
+/// How many halvings of a span the checker allows.
+const MAX_DEPTH: u32 = 500;
+/// The unit of centres and shares in nodes, 2^-20.
+pub(super) const UNIT: f64 = 1_048_576.0;
+
+/// Denominator, regularity, and 1/kappa > r (r = 0: the first two).
+pub(crate) fn along(frame: &Frame, r: f64) -> Option<Vec<Node>> {
+    let mut nodes = vec![];
+    blocks(frame, 0, frame.segments.len(), r, &mut nodes)?;
+    Some(nodes)
+}
+
+fn blocks(frame: &Frame, from: usize, to: usize, r: f64, nodes: &mut Vec<Node>) -> Option<()> {
+    if to - from > 1 {
+        let middle = from + (to - from) / 2;
+        nodes.push(Node::Split);
+        blocks(frame, from, middle, r, nodes)?;
+        return blocks(frame, middle, to, r, nodes);
+    }
+    let bezier = &frame.segments[from];
+    let mut open = vec![(Strips::new(bezier), 0u32, Int::ZERO)];
+    while let Some((mut strips, depth, index)) = open.pop() {
+        strips.freshen(bezier, depth, &index);
+        if strips.curved(bezier, depth, &index, r) {
+            nodes.push(Node::Curved);
+            continue;
+        }
+        if depth >= MAX_DEPTH || nodes.len() > MAX_NODES {
+            return None;
+        }
+        nodes.push(Node::Split);
+        let (left, right) = strips.halves();
+        let twice = &index << 1;
+        open.push((right, depth + 1, &twice + &Int::ONE));
+        open.push((left, depth + 1, twice));
+    }
+    Some(())
+}
+
+/// No doubly critical pair that is not local has |q| <= 2r.
+pub(crate) fn pairs(tree: &mut Tree, r: f64, margin: f64) -> Option<Vec<Node>> {
+    let root = tree.root();
+    let mut pairs = Pairs { tree, r, margin, nodes: vec![] };
+    pairs.visit(root, root)?;
+    Some(pairs.nodes)
+}
+
+struct Pairs<'t, 'f> {
+    tree: &'t mut Tree<'f>,
+    r: f64,
+    margin: f64,
+    nodes: Vec<Node>,
+}
+
+impl Pairs<'_, '_> {
+    fn visit(&mut self, i: Id, j: Id) -> Option<()> {
+        if let Some(leaf) = self.leaf(i, j) {
+            self.nodes.push(leaf);
+            return Some(());
+        }
+        if self.nodes.len() > MAX_NODES {
+            return None;
+        }
+        if i == j {
+            let (l, r) = self.tree.children(i)?;
+            self.nodes.push(Node::Split);
+            self.visit(l, l)?;
+            self.visit(l, r)?;
+            return self.visit(r, r);
+        }
+        let (a, b) = (self.tree.node(i), self.tree.node(j));
+        let first = a.rad >= b.rad;
+        let order =
+            if first { [(Which::First, i), (Which::Second, j)] } else { [(Which::Second, j), (Which::First, i)] };
+        let (which, (l, r)) = order.into_iter().find_map(|(which, id)| Some((which, self.tree.children(id)?)))?;
+        self.nodes.push(Node::SplitOne(which));
+        for half in [l, r] {
+            if which == Which::First { self.visit(half, j)? } else { self.visit(i, half)? }
+        }
+        Some(())
+    }
+
+    fn leaf(&self, i: Id, j: Id) -> Option<Node> {
+        let (a, b) = (self.tree.node(i), self.tree.node(j));
+        if i == j {
+            return a.cone.within_45_degrees().then(|| Node::Cone(axis_of(&[&a.cone])));
+        }
+        if self.tree.touching(i, j) && self.tree.within_45_degrees(i, j) {
+            return Some(Node::Cone(axis_of(&[&a.cone, &b.cone])));
+        }
+        let q0 = sub(&a.mid, &b.mid);
+        let (length, spread) = (norm(&q0), a.rad + b.rad);
+        if let Some(u) = balls_apart(&q0, spread, self.r) {
+            return Some(Node::Slab(u));
+        }
+        let (Some(x), Some(y)) = (&a.cell, &b.cell) else { return None };
+        if tilted(&q0, length, spread, a) {
+            return Some(Node::Side(Which::First));
+        }
+        if tilted(&q0, length, spread, b) {
+            return Some(Node::Side(Which::Second));
+        }
+        if x.p.is_empty() || y.p.is_empty() {
+            return None;
+        }
+        let e = 2.0 * (x.p_err + y.p_err);
+        if one_side(x, y, x, e) {
+            return Some(Node::Side(Which::First));
+        }
+        if one_side(x, y, y, e) {
+            return Some(Node::Side(Which::Second));
+        }
+        let points = |c: &Cell| exact_points(&self.tree.frame.segments[c.segment].cell(&c.exact_index(), c.depth));
+        for u in [q0, across(&q0, &a.cone, &b.cone)] {
+            if let Some(u) = direction(&u, &x.p, &y.p, e, self.r, || (points(x), points(y))) {
+                return Some(Node::Slab(u));
+            }
+        }
+        let narrow = a.cone.cos.min(b.cone.cos) > 0.9;
+        if !(narrow || spread < 0.25 * length) {
+            return None;
+        }
+        let model = model(self.tree, x, y)?;
+        let off = spread * (bulge(x) + bulge(y));
+        let spare = model.predicted_sq - 4.0 * self.r * self.r;
+        if off >= spare.max(1e-2 * self.margin * model.predicted_sq) {
+            return None;
+        }
+        let centre = model.centre.map(|c| (c * UNIT).round());
+        let written = Node::Bent(centre.map(|c| c as i64));
+        let centre = centre.map(|c| c / UNIT);
+        match bent_as_written(x, y, self.r, centre) {
+            Some(true) => return Some(written),
+            Some(false) => return None,
+            None => {}
+        }
+        let fine = 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt();
+        if x.p_err + y.p_err < fine {
+            return None;
+        }
+        self.exactly(x, y, centre, written)
+    }
+
+    /// The rules on forms, in integers.
+    fn exactly(&self, x: &Cell, y: &Cell, centre: [f64; 2], written: Node) -> Option<Node> {
+        let (x, y) = (exact_arc(self.tree.frame, x), exact_arc(self.tree.frame, y));
+        let (ry, wy, ay) =
+            (y.r.clone().map(Form::transposed), y.w.clone().transposed(), y.a.clone().map(Form::transposed));
+        let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&wy).sub(&ry[k].mul(&x.w)));
+        let (ds, dt) = (dot(&d, &x.a), dot(&d, &ay));
+        if ds.one_sign() == Some(true) {
+            return Some(Node::Side(Which::First));
+        }
+        if dt.one_sign() == Some(true) {
+            return Some(Node::Side(Which::Second));
+        }
+        let (ratio, exp) = weight_ratio(&y.w, &x.w);
+        let first = Form::<Int>::line(centre[0] * ratio, (centre[0] - 1.0) * ratio, exp);
+        let second = Form::<Int>::line(-centre[1] / ratio, (1.0 - centre[1]) / ratio, -exp).transposed();
+        let reach = x.w.mul(&wy).scale(2.0 * self.r).sqr();
+        let bent = dot(&d, &d).sub(&reach).add(&first.mul(&ds)).add(&second.mul(&dt));
+        (bent.positive() == Some(true)).then_some(written)
+    }
+}
+
+/// The end disk of radius r misses every other, but for points whose arc to the end is within 45 degrees of the axis.
+pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
+    let root = tree.root();
+    let mut search = Search::new(tree, finish, Of::Disks, r, false, 0.0);
+    let axis = rounded(&search.axis_of_local(), 30);
+    let direction = unit(&axis.map(|x| x as f64));
+    let mut nodes = vec![];
+    let mut open = vec![root];
+    let mut prefix = true;
+    while let Some(id) = open.pop() {
+        if prefix && search.tree.node(id).cone.about(&direction) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING {
+            nodes.push(Node::Local);
+            continue;
+        }
+        if let Some(leaf) = search.leaf(id) {
+            prefix = false;
+            nodes.push(leaf);
+            continue;
+        }
+        if nodes.len() > MAX_NODES {
+            return None;
+        }
+        nodes.push(Node::Split);
+        let (left, right) = search.tree.children(id)?;
+        open.extend(if finish { [left, right] } else { [right, left] });
+    }
+    Some(EndTree { axis, nodes })
+}
+
+/// Where the quadratic model of |q|^2 in the middle of two cells has its critical pair, relative to the cells, and its
+/// value there.
+struct Model {
+    centre: [f64; 2],
+    predicted_sq: f64,
+}
+
+fn model(tree: &Tree, x: &Cell, y: &Cell) -> Option<Model> {
+    let middle = |c: &Cell| {
+        let h = ldexp(1.0, -i64::from(c.depth));
+        (c.segment, (c.index as f64 + 0.5) * h, h)
+    };
+    let ((i, s, hs), (j, t, ht)) = (middle(x), middle(y));
+    let step = newton_step(&tree.evaluate(i, s), &tree.evaluate(j, t))?;
+    let centre = [0.5 + step.ds / hs, 0.5 + step.dt / ht].map(|x| x.clamp(-1.0, 2.0));
+    Some(Model { centre, predicted_sq: step.predicted_sq })
+}
+
+fn unit(v: &V3) -> V3 {
+    let length = norm(v);
+    v.map(|x| x / length)
+}
+
+/// The direction of `v` in integers, the largest of about `bits` bits.
+pub(super) fn rounded(v: &V3, bits: i32) -> [i64; 3] {
+    let largest = v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    let (m, e) = decompose(largest);
+    let top = e + 64 - i64::from(m.unsigned_abs().leading_zeros());
+    let whole = v.map(|x| ldexp(x, i64::from(bits) - top).round() as i64);
+    let twos = whole.iter().fold(0i64, |all, x| all | x).trailing_zeros();
+    if twos < 64 { whole.map(|x| x >> twos) } else { whole }
+}
+
+/// The direction `u` in few digits, if two hulls are further than 2r apart along it.
+pub(super) fn direction(
+    u: &V3,
+    p: &[V3],
+    q: &[V3],
+    e: f64,
+    r: f64,
+    exact: impl Fn() -> (Vec<[Int; 4]>, Vec<[Int; 4]>),
+) -> Option<[i64; 3]> {
+    let mut unsure = None;
+    for whole in [10, 24, 52].map(|bits| rounded(u, bits)) {
+        match hulls_apart(p, q, e, &whole.map(|x| x as f64), r) {
+            Some(true) => return Some(whole),
+            Some(false) => {}
+            None => unsure = Some(whole),
+        }
+    }
+    unsure.filter(|u| {
+        let (p, q) = exact();
+        hulls_apart_exactly(&p, &q, u, r)
+    })
+}
+
+pub(super) fn exact_points(arc: &Bezier) -> Vec<[Int; 4]> {
+    (0..=arc.degree()).map(|i| arc.point(i)).collect()
+}
+
+/// A direction in which balls of these centres' difference and radii's sum are further than 2r apart.
+pub(super) fn balls_apart(q0: &V3, spread: f64, r: f64) -> Option<[i64; 3]> {
+    [8, 24, 52].iter().map(|bits| rounded(q0, *bits)).find(|u| {
+        let u = unit(&u.map(|x| x as f64));
+        let gap = super::tree::dot(q0, &u) - norm(q0) * ROUNDING - spread * (1.0 + ROUNDING);
+        gap > 2.0 * r * (1.0 + ROUNDING)
+    })
+}
+
+/// An axis about which all tangents of the cones are within 45 degrees, in few digits if that is surely so.
+fn axis_of(cones: &[&Cone]) -> [i64; 3] {
+    let both = cones.iter().skip(1).fold(*cones[0], |all, cone| all.with(cone));
+    let fits = |axis: &[i64; 3]| {
+        let axis = unit(&axis.map(|x| x as f64));
+        cones.iter().all(|cone| cone.about(&axis) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING)
+    };
+    let full = rounded(&both.axis, 52);
+    [8, 24].iter().map(|bits| rounded(&both.axis, *bits)).find(fits).unwrap_or(full)
+}
