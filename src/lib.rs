@@ -17,6 +17,9 @@ mod roots;
 mod search;
 mod spine;
 
+pub use certificate::Certificate;
+pub use check::{Rejection, Verified, verify};
+pub use claim::Claim;
 pub use curve::Curve;
 pub use error::{Error, ErrorKind};
 pub use number::Rational;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use shapes::*;
-use tubecert::number::{lower_text, parse_rational, upper_text};
+use tubecert::number::{lower_text, nearest_text, parse_rational, upper_text};
 use tubecert::{Certificate, Claim, Curve, Radius, RadiusOptions, Rational, Spine, radius, verify};
 
 fn folder(name: &str) -> PathBuf {
@@ -43,7 +43,7 @@ fn verifies(curve: &Curve, width: f64) -> String {
     let printed = claim(lower_text(lo), upper_text(hi));
     let verified = verify(&printed, &certificate).unwrap_or_else(|e| panic!("{e}\n{}", curve.to_json()));
     assert_eq!((verified.lo(), verified.hi()), (printed.lo.as_ref(), printed.hi.as_ref()));
-    let inside = |text: String, step: fn(f64) -> f64| lower_text(step(text.parse::<f64>().unwrap()));
+    let inside = |text: String, step: fn(f64) -> f64| nearest_text(step(text.parse::<f64>().unwrap()));
     if lo.is_finite() {
         let claim = claim(inside(lower_text(lo), f64::next_up), upper_text(hi));
         assert_eq!(verify(&claim, &certificate).unwrap_err().section, "lo");
@@ -162,11 +162,22 @@ fn mutants(text: &str) -> Vec<String> {
         }
         let fields: Vec<&str> = line.split(' ').collect();
         for (k, field) in fields.iter().enumerate() {
-            let mut values: Vec<String> = ["0", "1", "-1", "inf", "/", "2", "curved", "local", "side 1", "side 2", "none"].map(String::from).to_vec();
+            let mut values: Vec<String> =
+                ["0", "1", "-1", "inf", "/", "2", "curved", "local", "side 1", "side 2", "none"]
+                    .map(String::from)
+                    .to_vec();
             values.extend(["bent 524288 524288", "slab 1 0 0", "cone 1 1 1", "share 524288"].map(String::from));
             values.push(String::new());
             if let Ok(x) = parse_rational(field) {
-                let near = [&x + int(1), &x - int(1), -&x, &x * int(2), &x / int(2), &x * q(1_000_001, 1_000_000), &x * q(999_999, 1_000_000)];
+                let near = [
+                    &x + int(1),
+                    &x - int(1),
+                    -&x,
+                    &x * int(2),
+                    &x / int(2),
+                    &x * q(1_000_001, 1_000_000),
+                    &x * q(999_999, 1_000_000),
+                ];
                 values.extend(near.iter().map(tubecert::number::to_fraction_text));
             }
             for value in values.into_iter().filter(|value| value != field) {
@@ -258,10 +269,8 @@ fn evidence_for_a_neighbour_of_the_curve() {
 #[test]
 fn kept_files() {
     let files = |kind: &str| {
-        let mut files: Vec<PathBuf> = std::fs::read_dir(folder("certificates").join(kind))
-            .unwrap()
-            .map(|entry| entry.unwrap().path())
-            .collect();
+        let mut files: Vec<PathBuf> =
+            std::fs::read_dir(folder("certificates").join(kind)).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();
         assert!(!files.is_empty(), "{kind} is empty");
         files

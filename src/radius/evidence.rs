@@ -38,3 +38,61 @@ pub(super) fn certificate(
     }
     Some(Certificate { digest: spine.curve().digest(), lo, hi, along, pairs, ends, upper })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Certificate, Rational, Upper};
+    use crate::search::evidence::{FAULT, Fault};
+    use crate::{Curve, RadiusOptions, Spine, radius, verify};
+
+    const CURVATURE: &str = include_str!("../../tests/curves/m98_5_3.json");
+    const BODY: &str = include_str!("../../tests/curves/trefoil.json");
+    const END: &str = include_str!("../../tests/curves/m98_5_2.json");
+
+    /// The verdict on what a search with a fault writes, after a change of it.
+    fn accepted(text: &str, fault: Option<Fault>, change: impl Fn(&mut Certificate)) -> bool {
+        let curve = Curve::from_json_str(text).expect("a curve");
+        let spine = Spine::from_curve(curve.clone()).expect("a spine");
+        FAULT.set(fault);
+        let answer = radius(&spine, &RadiusOptions::new().certificate(true)).expect("an answer");
+        FAULT.set(None);
+        let mut certificate = answer.certificate.expect("a certificate");
+        change(&mut certificate);
+        verify(&certificate.claim(curve), &certificate).is_ok()
+    }
+
+    #[test]
+    fn every_planted_fault_is_rejected() {
+        for text in [CURVATURE, BODY, END] {
+            assert!(accepted(text, None, |_| {}));
+        }
+        for (fault, text) in [
+            (Fault::CurvatureUnproved, CURVATURE),
+            (Fault::SignFlipped, BODY),
+            (Fault::SignFlipped, CURVATURE),
+            (Fault::RadiusForgotten, BODY),
+            (Fault::RadiusForgotten, END),
+            (Fault::CellDropped, BODY),
+            (Fault::CellRepeated, BODY),
+            (Fault::LocalUnproved, END),
+            (Fault::ShareUnproved, END),
+        ] {
+            assert!(!accepted(text, Some(fault), |_| {}), "{fault:?}\n{text}");
+        }
+    }
+
+    /// Bounds rounded inward, and witnesses a little off.
+    #[test]
+    fn every_wrong_bound_is_rejected() {
+        let scale = |x: &mut Rational, num: i64| *x = &*x * Rational::new(num.into(), 1_000_000.into());
+        for text in [CURVATURE, BODY, END] {
+            assert!(!accepted(text, None, |c| scale(c.lo.as_mut().expect("lo"), 1_000_001)));
+            assert!(!accepted(text, None, |c| scale(c.hi.as_mut().expect("hi"), 999_999)));
+            assert!(!accepted(text, None, |c| match &mut c.upper {
+                Upper::Curvature { t, .. } => scale(t, 1_001_000),
+                Upper::Contact { x, .. } => x.iter_mut().for_each(|x| scale(x, 1_001_000)),
+                other => panic!("{other:?}"),
+            }));
+        }
+    }
+}

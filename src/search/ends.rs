@@ -11,7 +11,7 @@
 use super::body::FLOOR;
 use super::curvature::golden;
 use super::dyadic::{Dyadic, ratio};
-use super::evidence::{self, balls_apart, direction, exact_points};
+use super::evidence::{self, Fault, balls_apart, direction, exact_points, planted};
 use super::frame::{At, Frame};
 use super::meter::Meter;
 use super::rules::first_true;
@@ -251,7 +251,7 @@ impl<'t, 'f> Search<'t, 'f> {
         let closed = against(cell, &self.end).apart(self.radius, share);
         let closed = closed
             .unwrap_or_else(|| exact_against(self.tree.frame, cell, &self.end).apart(self.radius, share) == Some(true));
-        closed.then_some(Node::Share(k as i64))
+        (closed || planted(Fault::ShareUnproved)).then_some(Node::Share(k as i64))
     }
 
     fn gap(&self, id: Id) -> f64 {

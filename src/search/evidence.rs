@@ -21,6 +21,33 @@ const MAX_DEPTH: u32 = 500;
 /// The unit of centres and shares in nodes, 2^-20.
 pub(super) const UNIT: f64 = 1_048_576.0;
 
+/// Ways in which a search can be wrong, planted by tests: every one must be rejected by the checker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fault {
+    CurvatureUnproved,
+    SignFlipped,
+    RadiusForgotten,
+    CellDropped,
+    CellRepeated,
+    LocalUnproved,
+    ShareUnproved,
+}
+
+#[cfg(test)]
+thread_local! {
+    pub(crate) static FAULT: std::cell::Cell<Option<Fault>> = const { std::cell::Cell::new(None) };
+}
+
+#[cfg(test)]
+pub(crate) fn planted(fault: Fault) -> bool {
+    FAULT.get() == Some(fault)
+}
+
+#[cfg(not(test))]
+pub(crate) const fn planted(_: Fault) -> bool {
+    false
+}
+
 /// Denominator, regularity, and 1/kappa > r (r = 0: the first two).
 pub(crate) fn along(frame: &Frame, r: f64) -> Option<Vec<Node>> {
     let mut nodes = vec![];
@@ -39,7 +66,7 @@ fn blocks(frame: &Frame, from: usize, to: usize, r: f64, nodes: &mut Vec<Node>) 
     let mut open = vec![(Strips::new(bezier), 0u32, Int::ZERO)];
     while let Some((mut strips, depth, index)) = open.pop() {
         strips.freshen(bezier, depth, &index);
-        if strips.curved(bezier, depth, &index, r) {
+        if strips.curved(bezier, depth, &index, r) || planted(Fault::CurvatureUnproved) {
             nodes.push(Node::Curved);
             continue;
         }
@@ -83,7 +110,9 @@ impl Pairs<'_, '_> {
             let (l, r) = self.tree.children(i)?;
             self.nodes.push(Node::Split);
             self.visit(l, l)?;
-            self.visit(l, r)?;
+            if !planted(Fault::CellDropped) {
+                self.visit(l, r)?;
+            }
             return self.visit(r, r);
         }
         let (a, b) = (self.tree.node(i), self.tree.node(j));
@@ -92,6 +121,7 @@ impl Pairs<'_, '_> {
             if first { [(Which::First, i), (Which::Second, j)] } else { [(Which::Second, j), (Which::First, i)] };
         let (which, (l, r)) = order.into_iter().find_map(|(which, id)| Some((which, self.tree.children(id)?)))?;
         self.nodes.push(Node::SplitOne(which));
+        let r = if planted(Fault::CellRepeated) { l } else { r };
         for half in [l, r] {
             if which == Which::First { self.visit(half, j)? } else { self.visit(i, half)? }
         }
@@ -112,7 +142,7 @@ impl Pairs<'_, '_> {
             return Some(Node::Slab(u));
         }
         let (Some(x), Some(y)) = (&a.cell, &b.cell) else { return None };
-        if tilted(&q0, length, spread, a) {
+        if tilted(&q0, length, spread, a) || planted(Fault::SignFlipped) {
             return Some(Node::Side(Which::First));
         }
         if tilted(&q0, length, spread, b) {
@@ -191,7 +221,8 @@ pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
     let mut open = vec![root];
     let mut prefix = true;
     while let Some(id) = open.pop() {
-        if prefix && search.tree.node(id).cone.about(&direction) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING {
+        let near = search.tree.node(id).cone.about(&direction) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING;
+        if prefix && (near || planted(Fault::LocalUnproved)) {
             nodes.push(Node::Local);
             continue;
         }
@@ -275,7 +306,7 @@ pub(super) fn balls_apart(q0: &V3, spread: f64, r: f64) -> Option<[i64; 3]> {
     [8, 24, 52].iter().map(|bits| rounded(q0, *bits)).find(|u| {
         let u = unit(&u.map(|x| x as f64));
         let gap = super::tree::dot(q0, &u) - norm(q0) * ROUNDING - spread * (1.0 + ROUNDING);
-        gap > 2.0 * r * (1.0 + ROUNDING)
+        gap > if planted(Fault::RadiusForgotten) { 0.0 } else { 2.0 * r * (1.0 + ROUNDING) }
     })
 }
 
