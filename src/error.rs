@@ -38,6 +38,8 @@ pub enum ErrorKind {
     Irregular,
     /// An option out of its range.
     Option,
+    /// A certificate that cannot be decoded.
+    Certificate,
     /// Floating-point rounding is broken on this machine (an emulator, for instance); nothing is claimed.
     Rounding,
 }
@@ -63,6 +65,7 @@ impl ErrorKind {
             Self::WeightZero => "weight_zero",
             Self::Irregular => "irregular",
             Self::Option => "option",
+            Self::Certificate => "certificate",
             Self::Rounding => "rounding",
         }
     }

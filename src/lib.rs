@@ -3,6 +3,7 @@
 #![warn(missing_docs)]
 
 mod bernstein;
+pub mod certificate;
 pub mod curve;
 pub mod enclosure;
 pub mod error;
