@@ -1,6 +1,6 @@
 //! Certificates as data: what a file holds, its one spelling, its limits. Nothing is proved here; see `check`.
 
-use std::fmt::Write;
+use std::fmt::{self, Display, Write};
 
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
@@ -114,17 +114,7 @@ impl Certificate {
             out += &head;
             for node in nodes {
                 // writing to a String cannot fail
-                let _ = match node {
-                    Node::Split => writeln!(out, "/"),
-                    Node::SplitOne(which) => writeln!(out, "{}", which.digit()),
-                    Node::Curved => writeln!(out, "curved"),
-                    Node::Cone([x, y, z]) => writeln!(out, "cone {x} {y} {z}"),
-                    Node::Slab([x, y, z]) => writeln!(out, "slab {x} {y} {z}"),
-                    Node::Side(which) => writeln!(out, "side {}", which.digit()),
-                    Node::Bent([x, y]) => writeln!(out, "bent {x} {y}"),
-                    Node::Local => writeln!(out, "local"),
-                    Node::Share(k) => writeln!(out, "share {k}"),
-                };
+                let _ = writeln!(out, "{node}");
             }
         };
         tree("along\n".to_string(), &self.along);
@@ -157,16 +147,39 @@ impl Certificate {
     }
 }
 
-impl Which {
-    const fn digit(self) -> char {
+impl Node {
+    /// The first word of its line.
+    pub(crate) const fn name(&self) -> &'static str {
         match self {
-            Self::First => '1',
-            Self::Second => '2',
+            Self::Split => "/",
+            Self::SplitOne(Which::First) => "1",
+            Self::SplitOne(Which::Second) => "2",
+            Self::Curved => "curved",
+            Self::Cone(_) => "cone",
+            Self::Slab(_) => "slab",
+            Self::Side(_) => "side",
+            Self::Bent(_) => "bent",
+            Self::Local => "local",
+            Self::Share(_) => "share",
         }
     }
 }
 
-fn undecodable(line: usize, what: impl std::fmt::Display) -> Error {
+impl Display for Node {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())?;
+        match self {
+            Self::Cone([x, y, z]) | Self::Slab([x, y, z]) => write!(f, " {x} {y} {z}"),
+            Self::Side(Which::First) => f.write_str(" 1"),
+            Self::Side(Which::Second) => f.write_str(" 2"),
+            Self::Bent([x, y]) => write!(f, " {x} {y}"),
+            Self::Share(k) => write!(f, " {k}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn undecodable(line: usize, what: impl Display) -> Error {
     Error::new(ErrorKind::Certificate, format!("line {line}: {what}"))
         .help("write the certificate anew: tubecert radius CURVE --certificate FILE")
 }
@@ -178,7 +191,7 @@ struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    fn error(&self, what: impl std::fmt::Display) -> Error {
+    fn error(&self, what: impl Display) -> Error {
         undecodable(self.number, what)
     }
 

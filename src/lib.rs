@@ -4,6 +4,8 @@
 
 mod bernstein;
 pub mod certificate;
+pub mod check;
+pub mod claim;
 pub mod curve;
 pub mod enclosure;
 pub mod error;

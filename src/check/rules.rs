@@ -1,0 +1,171 @@
+//! The conditions of the leaves: docs/certificate-format.md, sections 3 to 5.
+
+use std::rc::Rc;
+
+use num_bigint::{BigInt, Sign};
+use num_integer::Integer;
+use num_traits::{One, Zero};
+
+use super::arc::{End, Piece, Products};
+use super::poly::{Poly, Tensor, Vector, cross, dot, zip};
+use crate::certificate::Which;
+use crate::number::Rational;
+
+/// Why a condition is not true.
+pub(super) type Why = &'static str;
+
+const NOT_POSITIVE: Why = "a coefficient is not positive";
+const WEIGHTS: Why = "a control weight is not positive";
+/// The unit of `bent` and `share`.
+const UNIT: u32 = 20;
+
+/// The square of a radius.
+pub(super) struct Squared {
+    pub(super) num: BigInt,
+    pub(super) den: BigInt,
+}
+
+impl Squared {
+    pub(super) fn of(r: &Rational) -> Self {
+        Self { num: r.numer() * r.numer(), den: r.denom() * r.denom() }
+    }
+}
+
+pub(super) fn check(fine: bool, why: Why) -> Result<(), Why> {
+    if fine { Ok(()) } else { Err(why) }
+}
+
+fn constant(v: &[BigInt; 3]) -> Vector {
+    v.each_ref().map(|c| Poly(vec![c.clone()]))
+}
+
+fn square(v: &[BigInt; 3]) -> BigInt {
+    v.iter().map(|c| c * c).sum()
+}
+
+/// A positive multiple of |a|^6 - r^2 |b|^2 w^6.
+pub(super) fn curvature(piece: &Piece, r: &Squared) -> Poly {
+    let cube = |f: &Poly| f.times(f).times(f);
+    let (a, b, w) = (piece.a(), piece.b(), &piece.w);
+    let bw = dot(&b, &b).times(&cube(&w.times(w)));
+    cube(&dot(a, a)).scaled(&r.den).minus(bw.scaled(&r.num))
+}
+
+pub(super) fn curved(piece: &Piece, r: &Squared) -> Result<(), Why> {
+    check(piece.w.is_positive(), WEIGHTS)?;
+    let form = if r.num.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) };
+    check(form.is_positive(), NOT_POSITIVE)
+}
+
+/// All tangents of these pieces are within 45 degrees of `g`.
+pub(super) fn cone(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<(), Why> {
+    let g = g.map(BigInt::from);
+    let (gg, axis) = (square(&g), constant(&g));
+    for piece in pieces {
+        let ([x, y, z], along) = (piece.a(), dot(piece.a(), &axis));
+        let mut vectors = x.0.iter().zip(&y.0).zip(&z.0).zip(&along.0);
+        let inside = vectors.all(|(((x, y), z), along)| {
+            along.sign() == Sign::Plus && (along * along) << 1_u8 > (x * x + y * y + z * z) * &gg
+        });
+        check(inside, "a tangent is not within 45 degrees of the axis")?;
+    }
+    Ok(())
+}
+
+/// The least g.p of the control points p, as a fraction with a positive denominator.
+fn least(pieces: &[Rc<Piece>], g: &[BigInt; 3]) -> Result<(BigInt, BigInt), Why> {
+    let axis = constant(g);
+    let mut least: Option<(BigInt, BigInt)> = None;
+    for piece in pieces {
+        check(piece.w.is_positive(), WEIGHTS)?;
+        for (p, w) in dot(&piece.r, &axis).0.into_iter().zip(piece.full_weight().0) {
+            if least.as_ref().is_none_or(|(num, den)| &p * den < num * &w) {
+                least = Some((p, w));
+            }
+        }
+    }
+    least.ok_or("there are no control points")
+}
+
+fn apart(num: &BigInt, den: &BigInt, g: &[BigInt; 3], limit: &BigInt, r: &Squared) -> Result<(), Why> {
+    let far = num.sign() == Sign::Plus && num * num * &r.den > limit * &r.num * square(g) * den * den;
+    check(far, "the two are not so far apart along the normal")
+}
+
+pub(super) fn slab(a: &[Rc<Piece>], b: &[Rc<Piece>], g: &[i64; 3], r: &Squared) -> Result<(), Why> {
+    let g = g.map(BigInt::from);
+    let ((p, v), (q, w)) = (least(a, &g)?, least(b, &g.each_ref().map(|c| -c))?);
+    apart(&(p * &w + q * &v), &(v * w), &g, &BigInt::from(4), r)
+}
+
+pub(super) fn end_slab(end: &End, pieces: &[Rc<Piece>], g: &[i64; 3], r: &Squared) -> Result<(), Why> {
+    let g = g.map(BigInt::from);
+    let (p, v) = least(pieces, &g)?;
+    let q: BigInt = end.r.iter().zip(&g).map(|(c, g)| c * g).sum();
+    apart(&(p * &end.w - q * &v), &(v * &end.w), &g, &BigInt::one(), r)
+}
+
+/// Adds f(s) D.a(s), where D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).
+fn add_first(sum: &mut Tensor, f: &Poly, p: &Products, b: &Piece) {
+    sum.add(&f.times(&p.ra), &b.w);
+    let minus = f.scaled(&-BigInt::one());
+    p.wa.iter().zip(&b.r).for_each(|(wa, r)| sum.add(&minus.times(wa), r));
+}
+
+/// Adds f(t) D.a(t), where D.a(t) = r(s).(w a)(t) - w(s) (r.a)(t).
+fn add_second(sum: &mut Tensor, f: &Poly, a: &Piece, q: &Products) {
+    sum.add(&a.w, &f.scaled(&-BigInt::one()).times(&q.ra));
+    a.r.iter().zip(&q.wa).for_each(|(r, wa)| sum.add(r, &f.times(wa)));
+}
+
+pub(super) fn side(a: &Piece, b: &Piece, of: Which) -> Result<(), Why> {
+    let (mut sum, one) = (Tensor::default(), Poly(vec![BigInt::one()]));
+    match of {
+        Which::First => add_first(&mut sum, &one, a.products(), b),
+        Which::Second => add_second(&mut sum, &one, a, b.products()),
+    }
+    check(sum.sign().is_some(), "the coefficients have no strict common sign")
+}
+
+pub(super) fn bent(a: &Piece, b: &Piece, centre: [i64; 2], r: &Squared) -> Result<(), Why> {
+    let weights = [a, b].map(|piece| piece.w.0.first().cloned().unwrap_or_default());
+    check(weights.iter().all(|w| w.sign() == Sign::Plus), WEIGHTS)?;
+    check(bent_form(a, b, weights, centre, r).sign() == Some(true), NOT_POSITIVE)
+}
+
+/// The form of `bent` times 2^20, the weights in lowest terms and the denominator of r^2; `v`, `w` are v, v' of the page.
+pub(super) fn bent_form(a: &Piece, b: &Piece, [v, w]: [BigInt; 2], [x, y]: [i64; 2], r: &Squared) -> Tensor {
+    let common = v.gcd(&w);
+    let (v, w) = (v / &common, w / common);
+    let (p, q) = (a.products(), b.products());
+    let vw = &v * &w;
+    let (square, twice) = ((&vw * &r.den) << UNIT, -((&vw * &r.den) << (UNIT + 1)));
+    let mut sum = Tensor::default();
+    sum.add(&p.rr.scaled(&square), &q.ww);
+    sum.add(&p.ww.scaled(&square), &q.rr);
+    p.rw.iter().zip(&q.rw).for_each(|(f, g)| sum.add(&f.scaled(&twice), g));
+    sum.add(&p.ww.scaled(&-((&vw * &r.num) << (UNIT + 2))), &q.ww);
+    let (x, y, unit) = (BigInt::from(x), BigInt::from(y), BigInt::one() << UNIT);
+    add_first(&mut sum, &Poly(vec![x.clone(), x - &unit]).scaled(&(&w * &w * &r.den)), p, b);
+    add_second(&mut sum, &Poly(vec![-&y, unit - y]).scaled(&(&v * &v * &r.den)), a, q);
+    sum
+}
+
+pub(super) fn share(end: &End, piece: &Piece, k: i64, r: &Squared) -> Result<(), Why> {
+    check((0..=1 << UNIT).contains(&k), "the share is not in 0 .. 2^20")?;
+    check(share_form(end, piece, k, r).is_positive(), NOT_POSITIVE)
+}
+
+/// The form of `share` times 2^40 and the denominator of r^2.
+pub(super) fn share_form(end: &End, piece: &Piece, k: i64, r: &Squared) -> Poly {
+    let (k, unit) = (BigInt::from(k), BigInt::one() << UNIT);
+    let (a, d) = (piece.a(), constant(&end.a));
+    let q = zip(piece.r.each_ref(), end.r.each_ref(), |r, e| r.scaled(&end.w).minus(piece.w.scaled(e)));
+    let u = cross(&d, a);
+    let (squared, other) = (|f: Poly| f.times(&f), &unit - &k);
+    let of_end = squared(dot(a, &q)).times(&dot(&d, &d)).scaled(&(&k * &unit));
+    let of_body = squared(dot(&d, &q)).times(&dot(a, a)).scaled(&(&other * &unit));
+    let between = squared(dot(&u, &q)).scaled(&(k * other));
+    let disks = dot(&u, &u).times(&squared(piece.w.scaled(&end.w))).scaled(&(&r.num * &unit * &unit));
+    of_end.plus(of_body).plus(between).scaled(&r.den).minus(disks)
+}

@@ -1,0 +1,465 @@
+//! The rules against evaluation from their definitions, and certificates made by naive recursion.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, clippy::float_arithmetic)]
+
+use num_bigint::BigInt;
+use num_traits::{One, ToPrimitive, Zero};
+use proptest::prelude::*;
+
+use super::arc::{Arc, End, Piece, Spine};
+use super::poly::Poly;
+use super::rules::{self, Squared};
+use super::*;
+use crate::certificate::{EndTree, Foot, Node, SpanArc, Upper, Which};
+use crate::curve::Curve;
+use crate::number::parse_rational;
+
+fn q(text: &str) -> Rational {
+    parse_rational(text).unwrap()
+}
+
+fn file(name: &str) -> Curve {
+    let path = format!("{}/tests/curves/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    Curve::from_json_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+fn curve(json: &str) -> Curve {
+    Curve::from_json_str(json).unwrap()
+}
+
+/// About 2^20 times the unit vector along `v`.
+fn rounded(v: [f64; 3]) -> [i64; 3] {
+    let size = v.iter().fold(0.0_f64, |size, c| size.max(c.abs())).max(f64::MIN_POSITIVE);
+    v.map(|c| (c / size * 1_048_576.0).round() as i64)
+}
+
+fn float(n: &BigInt) -> f64 {
+    n.to_f64().unwrap()
+}
+
+/// The point in the middle, and a there.
+fn middle(pieces: &[std::rc::Rc<Piece>]) -> ([f64; 3], [f64; 3]) {
+    let piece = &pieces[pieces.len() / 2];
+    let (one, two) = (BigInt::one(), BigInt::from(2));
+    let value = |f: &Poly| float(&f.at(&one, &two));
+    let w = value(&piece.full_weight());
+    (piece.r.each_ref().map(|r| value(r) / w), piece.a().each_ref().map(value))
+}
+
+/// Makes trees by trying the rules in turn.
+struct Maker {
+    spine: Spine,
+    r: Squared,
+    nodes: Vec<Node>,
+}
+
+impl Maker {
+    fn tries(&mut self, tried: impl IntoIterator<Item = (Node, bool)>) -> bool {
+        match tried.into_iter().find(|(_, fine)| *fine) {
+            Some((node, _)) => self.nodes.push(node),
+            None => return false,
+        }
+        assert!(self.nodes.len() < 400_000, "no certificate in sight");
+        true
+    }
+
+    fn along(&mut self, arc: &Arc) {
+        let fine = match arc {
+            Arc::Piece(piece) => rules::curved(piece, &self.r).is_ok(),
+            Arc::Block(..) => false,
+        };
+        if !self.tries([(Node::Curved, fine)]) {
+            self.nodes.push(Node::Split);
+            for half in self.spine.halves(arc).unwrap() {
+                self.along(&half);
+            }
+        }
+    }
+
+    fn same(&mut self, arc: &Arc) {
+        let g = rounded(middle(self.spine.pieces(arc)).1);
+        let cone = rules::cone(self.spine.pieces(arc), &g).is_ok();
+        if !self.tries([(Node::Cone(g), cone)]) {
+            self.nodes.push(Node::Split);
+            let [first, second] = self.spine.halves(arc).unwrap();
+            self.same(&first);
+            self.two(&first, &second);
+            self.same(&second);
+        }
+    }
+
+    fn two(&mut self, a: &Arc, b: &Arc) {
+        let (p, d) = middle(self.spine.pieces(a));
+        let (q, e) = middle(self.spine.pieces(b));
+        let [g, far] = [rounded([0, 1, 2].map(|i| d[i] + e[i])), rounded([0, 1, 2].map(|i| p[i] - q[i]))];
+        let (x, y) = (self.spine.pieces(a), self.spine.pieces(b));
+        let cone = self.spine.touch(a, b) && rules::cone(x, &g).is_ok() && rules::cone(y, &g).is_ok();
+        let mut tried = vec![(Node::Cone(g), cone), (Node::Slab(far), rules::slab(x, y, &far, &self.r).is_ok())];
+        if let (Arc::Piece(a), Arc::Piece(b)) = (a, b) {
+            for of in [Which::First, Which::Second] {
+                tried.push((Node::Side(of), rules::side(a, b, of).is_ok()));
+            }
+            tried.push((Node::Bent([1 << 19; 2]), rules::bent(a, b, [1 << 19; 2], &self.r).is_ok()));
+        }
+        if !self.tries(tried) {
+            let size = |arc: &Arc| {
+                self.spine.pieces(arc).len() as f64 * {
+                    let [from, to] = self.spine.place(arc);
+                    float(&(to - from))
+                }
+            };
+            if size(a) >= size(b) {
+                self.nodes.push(Node::SplitOne(Which::First));
+                for half in self.spine.halves(a).unwrap() {
+                    self.two(&half, b);
+                }
+            } else {
+                self.nodes.push(Node::SplitOne(Which::Second));
+                for half in self.spine.halves(b).unwrap() {
+                    self.two(a, &half);
+                }
+            }
+        }
+    }
+
+    fn end(&mut self, e: &End, axis: &[i64; 3], arc: &Arc, reverse: bool) {
+        let pieces = self.spine.pieces(arc);
+        let place = [0, 1, 2].map(|i| float(&e.r[i]) / float(&e.w));
+        let p = middle(pieces).0;
+        let far = rounded([0, 1, 2].map(|i| p[i] - place[i]));
+        let so_far = self.nodes.iter().all(|node| matches!(node, Node::Local | Node::Split));
+        let mut tried = vec![
+            (Node::Local, so_far && rules::cone(pieces, axis).is_ok()),
+            (Node::Slab(far), rules::end_slab(e, pieces, &far, &self.r).is_ok()),
+        ];
+        if let Arc::Piece(piece) = arc {
+            for k in [0, 1 << 18, 1 << 19, 3 << 18, 1 << 20] {
+                tried.push((Node::Share(k), rules::share(e, piece, k, &self.r).is_ok()));
+            }
+        }
+        if !self.tries(tried) {
+            self.nodes.push(Node::Split);
+            let mut halves = self.spine.halves(arc).unwrap();
+            if reverse {
+                halves.reverse();
+            }
+            halves.iter().for_each(|half| self.end(e, axis, half, reverse));
+        }
+    }
+}
+
+fn make(curve: &Curve, lo: &str, hi: Option<&str>, upper: Upper) -> Certificate {
+    let lo = (lo != "inf").then(|| q(lo));
+    let r = Squared::of(lo.as_ref().unwrap_or(&Rational::zero()));
+    let bounded = !r.num.is_zero();
+    let mut maker = Maker { spine: Spine::of(curve).unwrap(), r, nodes: vec![] };
+    let whole = maker.spine.whole();
+    maker.along(&whole);
+    let along = std::mem::take(&mut maker.nodes);
+    let pairs = bounded.then(|| {
+        maker.same(&whole);
+        std::mem::take(&mut maker.nodes)
+    });
+    let ends = (bounded && !maker.spine.closed).then(|| {
+        let ends = [maker.spine.spans[0].first(), maker.spine.spans.last().unwrap().last()];
+        [false, true].map(|reverse| {
+            let e = &ends[usize::from(reverse)];
+            let axis = rounded(e.a.each_ref().map(float));
+            maker.end(e, &axis, &whole, reverse);
+            EndTree { axis, nodes: std::mem::take(&mut maker.nodes) }
+        })
+    });
+    Certificate { digest: curve.digest(), lo, hi: hi.map(q), along, pairs, ends, upper }
+}
+
+/// Makes, writes, reads and verifies.
+fn accepted(name: &str, curve: &Curve, lo: &str, hi: Option<&str>, upper: Upper) -> (Certificate, Verified) {
+    let made = make(curve, lo, hi, upper);
+    let text = made.encode();
+    let certificate = Certificate::decode(text.as_bytes()).unwrap();
+    assert_eq!(certificate, made);
+    let start = std::time::Instant::now();
+    let verified = verify(&certificate.claim(curve.clone()), &certificate).unwrap_or_else(|e| panic!("{name}: {e}"));
+    println!("{name}: {:?} for {:?}", start.elapsed(), verified.leaves());
+    (certificate, verified)
+}
+
+fn refused(curve: &Curve, certificate: &Certificate) -> Rejection {
+    verify(&certificate.claim(curve.clone()), certificate).unwrap_err()
+}
+
+#[test]
+fn parabola() {
+    let curve = file("m98_5_1_parabola");
+    let upper = Upper::Curvature { span: 0, t: q("1/2") };
+    let (certificate, verified) = accepted("parabola", &curve, "0.4999", Some("1/2"), upper.clone());
+    assert_eq!((verified.lo(), verified.hi(), verified.closed()), (Some(&q("0.4999")), Some(&q("1/2")), false));
+
+    let mut stronger = certificate.claim(curve.clone());
+    stronger.lo = Some(q("0.49991"));
+    assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "lo");
+    stronger.lo = Some(q("0.1"));
+    assert_eq!(verify(&stronger, &certificate).unwrap().lo(), Some(&q("0.1")));
+    stronger.hi = Some(q("0.49995"));
+    assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "hi");
+    stronger.hi = None;
+    assert_eq!(verify(&stronger, &certificate).unwrap().hi(), None);
+
+    assert_eq!(refused(&file("m98_5_2"), &certificate).section, "curve");
+    let changed = |change: fn(&mut Certificate)| {
+        let mut certificate = certificate.clone();
+        change(&mut certificate);
+        refused(&curve, &certificate)
+    };
+    assert_eq!(changed(|c| c.lo = Some(q("0.500001"))).section, "along");
+    assert_eq!(changed(|c| c.lo = None).section, "lo");
+    assert_eq!(changed(|c| c.lo = Some(q("-1"))).section, "lo");
+    assert_eq!(changed(|c| c.hi = Some(q("0.49999"))).section, "upper");
+    assert_eq!(changed(|c| c.hi = Some(q("-1/2"))).section, "hi");
+    assert_eq!(changed(|c| c.hi = None).section, "upper");
+    assert_eq!(changed(|c| c.upper = Upper::None).section, "upper");
+    assert_eq!(changed(|c| c.pairs = None).section, "pairs");
+    assert_eq!(changed(|c| c.ends = None).section, "start");
+    assert_eq!(changed(|c| c.along.truncate(0)).why, "the tree stops short");
+    assert_eq!(changed(|c| c.along.push(Node::Curved)).why, "the tree has ended before");
+    assert_eq!(changed(|c| c.along[0] = Node::Local).why, "the rule does not belong here");
+    assert_eq!(changed(|c| c.along = vec![Node::Split; 2000]).why, "a part deeper than 512 halvings");
+    assert_eq!(changed(|c| c.pairs.as_mut().unwrap()[0] = Node::Cone([1, 0, 0])).section, "pairs");
+    assert_eq!(changed(|c| c.ends.as_mut().unwrap()[0].axis = [0; 3]).section, "start");
+}
+
+#[test]
+fn straight_line() {
+    let curve = file("straight_line");
+    let (certificate, verified) = accepted("straight line", &curve, "inf", None, Upper::None);
+    assert_eq!((verified.lo(), verified.hi()), (None, None));
+    let bent = file("m98_5_1_parabola");
+    let forged = Certificate { digest: bent.digest(), ..certificate };
+    assert_eq!(refused(&bent, &forged).why, "the spine is not straight");
+}
+
+#[test]
+fn trefoil() {
+    // delta is 0.5625.. to 0.5626
+    let (certificate, verified) = accepted("trefoil", &file("trefoil"), "0.45", None, Upper::None);
+    assert!(verified.closed() && certificate.ends.is_none());
+}
+
+#[test]
+fn circle() {
+    let curve = file("circle_exact");
+    let (_, verified) = accepted("circle", &curve, "0.8", Some("1"), Upper::Curvature { span: 0, t: q("1/3") });
+    assert!(verified.closed());
+}
+
+#[test]
+fn pierced_end() {
+    accepted("cubic 5.2", &file("m98_5_2"), "0.08", None, Upper::None);
+    accepted("quartic 5.3", &file("m98_5_3"), "0.01", None, Upper::None);
+    accepted("pierced end", &file("pierced_end"), "1.2", None, Upper::None);
+}
+
+#[test]
+fn corner() {
+    let corner = curve(r#"{"degree": 1, "control_points": [[0, 0], [1, 0], [1, 1]], "knots": [0, 0, 1, 2, 2]}"#);
+    let (mut certificate, _) = accepted("corner", &corner, "0", Some("0"), Upper::Corner(1));
+    certificate.upper = Upper::Corner(0);
+    assert_eq!(refused(&corner, &certificate).why, "the ends are two points");
+    certificate.upper = Upper::Corner(2);
+    assert_eq!(refused(&corner, &certificate).why, "there is no such joint");
+    let smooth = curve(r#"{"degree": 1, "control_points": [[0, 0], [1, 0], [3, 0]], "knots": [0, 0, 1, 2, 2]}"#);
+    certificate = Certificate { digest: smooth.digest(), upper: Upper::Corner(1), ..certificate };
+    assert_eq!(refused(&smooth, &certificate).why, "the joint is smooth");
+}
+
+#[test]
+fn crossing() {
+    // a loop: (0, 0) (3, 3) (-2, 3) (1, 0) crosses itself at x = 1/2
+    let curve = curve(r#"{"degree": 3, "control_points": [[0, 0], [3, 3], [-2, 3], [1, 0]]}"#);
+    let v = |x: &str, y: &str, z: &str| [q(x), q(y), q(z)];
+    let witness = |s: [&str; 2], t: [&str; 2]| Upper::Crossing {
+        arcs: [s, t].map(|[from, to]| SpanArc { span: 0, from: q(from), to: q(to) }),
+        normal: v("0", "0", "1"),
+        first: v("1", "1", "0"),
+        second: v("-1", "1", "0"),
+    };
+    let (certificate, _) = accepted("crossing", &curve, "0", Some("0"), witness(["0.05", "0.15"], ["0.85", "0.95"]));
+    let changed = |upper| refused(&curve, &Certificate { upper, ..certificate.clone() }).why;
+    let signs = "the coefficients on opposite sides have no opposite strict signs";
+    assert_eq!(changed(witness(["0", "0.01"], ["0.85", "0.95"])), signs);
+    assert_eq!(changed(witness(["0.85", "0.95"], ["0.05", "0.15"])), "the two arcs are not apart on the spine");
+    assert_eq!(changed(witness(["0.15", "0.05"], ["0.85", "0.95"])), "an arc is not within its span");
+}
+
+#[test]
+fn contact() {
+    // two strands of a hairpin at the distance 2, a bend of radius 2 at least between them
+    let circle = file("circle_exact");
+    let at = |p: &str| Foot::Plane(q(p));
+    let n = Spine::of(&circle).unwrap().spans.len();
+    let (certificate, _) = accepted(
+        "contact",
+        &circle,
+        "0.5",
+        Some("1"),
+        Upper::Contact { x: [q("0"), q("0"), q("0")], feet: [at("0"), at(&format!("{}/2", n))] },
+    );
+    let changed = |feet| {
+        let upper = Upper::Contact { x: [q("0"), q("0"), q("0")], feet };
+        refused(&circle, &Certificate { upper, ..certificate.clone() }).why
+    };
+    assert_eq!(changed([at("1/3"), at("1/3")]), "the two are not apart on the spine");
+    assert_eq!(changed([at("0"), at(&n.to_string())]), "the two are not apart on the spine");
+    assert_eq!(changed([at("0"), at("100")]), "a position is out of range");
+    let valley = |a: &str, p: &str, b: &str| Foot::Valley([q(a), q(p), q(b)]);
+    assert_eq!(changed([valley("0", "1/4", "1/2"), at("1")]), "an end of a valley is not farther");
+    assert_eq!(changed([valley("1/2", "1/4", "1/2"), at("1")]), "the positions of a valley are not in order");
+}
+
+proptest! {
+    /// The convolution code against values.
+    #[test]
+    fn polynomials(
+        f in prop::collection::vec(-50_i64..50, 1..6),
+        g in prop::collection::vec(-50_i64..50, 1..6),
+        p in 0_i64..8,
+    ) {
+        let [f, g] = [f, g].map(|c| Poly::bernstein(c.into_iter().map(BigInt::from).collect()));
+        let t = Rational::new(p.into(), 7.into());
+        let value = |f: &Poly| value(f, &t);
+        prop_assert_eq!(value(&f.times(&g)), value(&f) * value(&g));
+        prop_assert_eq!(value(&f.clone().plus(g.clone())), value(&f) + value(&g));
+        prop_assert_eq!(value(&f.clone().minus(g.clone())), value(&f) - value(&g));
+        prop_assert_eq!(value(&f.reversed()), self::value(&f, &(Rational::one() - &t)));
+        let scale = |k: i64| Rational::from_integer(BigInt::from(k).pow(f.0.len() as u32 - 1));
+        let half = &t / BigInt::from(2);
+        prop_assert_eq!(value(&f.first_half()), self::value(&f, &half) * scale(2));
+        let (a, b, unit) = (BigInt::from(2), BigInt::from(9), BigInt::from(10));
+        let inner = Rational::new(2.into(), 10.into()) + &t * Rational::new(7.into(), 10.into());
+        prop_assert_eq!(value(&f.between(&a, &b, &unit)), self::value(&f, &inner) * scale(10));
+        prop_assert_eq!(Rational::from_integer(f.at(&p.into(), &7.into())), value(&f) * scale(7));
+        // the derivative of f g is f' g + f g'
+        let product = f.derivative().times(&g).plus(f.times(&g.derivative()));
+        prop_assert_eq!(value(&f.times(&g).derivative()), value(&product));
+    }
+
+    /// The forms of the rules against their definitions, on a rational and an integral arc.
+    #[test]
+    fn forms(s in 0_i64..6, t in 0_i64..6, x in -9_i64..9, y in -9_i64..9, k in 0_i64..(1 << 20), rational in any::<bool>()) {
+        let name = if rational { "m98_5_3" } else { "m98_5_2" };
+        let spine = Spine::of(&file(name)).unwrap();
+        let [Arc::Piece(a), Arc::Piece(rest)] = spine.halves(&spine.whole()).unwrap() else { panic!() };
+        let [Arc::Piece(b), _] = spine.halves(&Arc::Piece(rest)).unwrap() else { panic!() };
+        let radius = q("3/7");
+        let r = Squared::of(&radius);
+        let (s, t) = (Rational::new(s.into(), 5.into()), Rational::new(t.into(), 5.into()));
+        let at = |piece: &Piece, t: &Rational| (piece.r.each_ref().map(|f| value(f, t)), value(&piece.w, t));
+        let ((p, v), (o, w)) = (at(&a, &s), at(&b, &t));
+        let d = [0, 1, 2].map(|i| &p[i] * &w - &o[i] * &v);
+        let [of_s, of_t] = [(&a, &s), (&b, &t)].map(|(piece, t)| {
+            let a = hodograph(piece, t);
+            assert_eq!(piece.a().each_ref().map(|f| value(f, t)), a);
+            dotted(&d, &a)
+        });
+        let weights = [&a, &b].map(|piece| piece.w.0[0].clone());
+        let [first, second] = weights.each_ref().map(|w| Rational::from_integer(w.clone()));
+        let unit = Rational::from_integer(BigInt::one() << 20);
+        let ratio = |x: i64| Rational::from_integer(x.into()) / &unit;
+        let form = dotted(&d, &d) - Rational::from_integer(4.into()) * &radius * &radius * &v * &v * &w * &w
+            + &second / &first * (ratio(x) - &s) * of_s
+            + &first / &second * (&t - ratio(y)) * of_t;
+        let rows = rules::bent_form(&a, &b, weights.clone(), [x, y], &r).rows();
+        let columns: Vec<Rational> = rows.iter().map(|row| value(row, &t)).collect();
+        let found = horner(&columns, &s);
+        let common = num_integer::gcd(weights[0].clone(), weights[1].clone());
+        let factor = &unit * Rational::from_integer(&r.den * &weights[0] * &weights[1] / (&common * &common));
+        prop_assert_eq!(found, form * factor);
+        let degree = if rational { (13, 13) } else { (7, 7) };
+        prop_assert_eq!((rows.len(), rows[0].0.len()), degree);
+
+        let e = spine.spans[0].first();
+        let form = rules::share_form(&e, &b, k, &r);
+        let exact = |v: &[BigInt; 3]| v.clone().map(Rational::from_integer);
+        let (d, a) = (exact(&e.a), hodograph(&b, &t));
+        let we = Rational::from_integer(e.w.clone());
+        let point = exact(&e.r);
+        let q = [0, 1, 2].map(|i| &o[i] * &we - &point[i] * &w);
+        let u = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &d[i] * &a[j] - &d[j] * &a[i]);
+        let k = ratio(k);
+        let other = Rational::one() - &k;
+        let [aq, dq, uq] = [&a, &d, &u].map(|v| dotted(v, &q) * dotted(v, &q));
+        let wanted = &k * aq * dotted(&d, &d) + &other * dq * dotted(&a, &a) + &k * &other * uq
+            - &radius * &radius * dotted(&u, &u) * &w * &w * &we * &we;
+        prop_assert_eq!(value(&form, &t), wanted * &unit * &unit * Rational::from_integer(r.den.clone()));
+
+        // kappa^2 = |C' x C''|^2 / |C'|^6 by quotients
+        let form = value(&rules::curvature(&b, &r), &t);
+        let kappa = curvature_squared(&b, &t);
+        let a6 = dotted(&a, &a) * dotted(&a, &a) * dotted(&a, &a);
+        let wanted = &a6 * (Rational::one() - &radius * &radius * kappa);
+        prop_assert_eq!(form, wanted * Rational::from_integer(r.den));
+    }
+}
+
+/// The value of the sum of c_i t^i (1-t)^(n-i).
+fn horner(c: &[Rational], t: &Rational) -> Rational {
+    power_basis(c).iter().rev().fold(Rational::zero(), |sum, c| sum * t + c)
+}
+
+fn power_basis(c: &[Rational]) -> Vec<Rational> {
+    let mut sum = vec![Rational::zero(); c.len()];
+    for (i, c) in c.iter().enumerate() {
+        let mut term = vec![Rational::one()];
+        for _ in i + 1..sum.len() {
+            term.push(Rational::zero());
+            for j in (1..term.len()).rev() {
+                term[j] = &term[j] - &term[j - 1];
+            }
+        }
+        term.iter().enumerate().for_each(|(j, d)| sum[i + j] += c * d);
+    }
+    sum
+}
+
+fn value(f: &Poly, t: &Rational) -> Rational {
+    let c: Vec<Rational> = f.0.iter().map(|c| Rational::from_integer(c.clone())).collect();
+    horner(&c, t)
+}
+
+/// The derivatives 0 to 2 of a polynomial.
+fn jet(f: &Poly, t: &Rational) -> [Rational; 3] {
+    let mut c = power_basis(&f.0.iter().map(|c| Rational::from_integer(c.clone())).collect::<Vec<_>>());
+    [0, 1, 2].map(|_| {
+        let value = c.iter().rev().fold(Rational::zero(), |sum, c| sum * t + c);
+        c = c.iter().enumerate().skip(1).map(|(i, c)| c * BigInt::from(i)).collect();
+        value
+    })
+}
+
+/// r' w - r w'.
+fn hodograph(piece: &Piece, t: &Rational) -> [Rational; 3] {
+    let [w, w1, _] = jet(&piece.w, t);
+    piece.r.each_ref().map(|r| {
+        let [r, r1, _] = jet(r, t);
+        if piece.w.0.len() == 1 { r1 * &w } else { r1 * &w - r * &w1 }
+    })
+}
+
+/// By C' and C'' of the quotients.
+fn curvature_squared(piece: &Piece, t: &Rational) -> Rational {
+    let [w, w1, w2] = jet(&piece.w, t);
+    let both = piece.r.each_ref().map(|r| {
+        let [r, r1, r2] = jet(r, t);
+        let c = r / &w;
+        let c1 = (r1 - &c * &w1) / &w;
+        let c2 = (r2 - &c1 * &w1 * BigInt::from(2) - &c * &w2) / &w;
+        (c1, c2)
+    });
+    let [d, e] = [both.each_ref().map(|b| b.0.clone()), both.each_ref().map(|b| b.1.clone())];
+    let u = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &d[i] * &e[j] - &d[j] * &e[i]);
+    let square = dotted(&d, &d);
+    dotted(&u, &u) / (&square * &square * &square)
+}
+
+fn dotted(f: &[Rational; 3], g: &[Rational; 3]) -> Rational {
+    f.iter().zip(g).map(|(f, g)| f * g).sum()
+}
