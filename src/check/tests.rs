@@ -194,6 +194,13 @@ fn parabola() {
     let (certificate, verified) = accepted("parabola", &curve, "0.4999", Some("1/2"), upper.clone());
     assert_eq!((verified.lo(), verified.hi(), verified.closed()), (Some(&q("0.4999")), Some(&q("1/2")), false));
 
+    // the tests of the program read it
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/certificates/m98_5_1_parabola.txt");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(path, certificate.encode()).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(path).unwrap(), certificate.encode());
+
     let mut stronger = certificate.claim(curve.clone());
     stronger.lo = Some(q("0.49991"));
     assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "lo");
@@ -313,6 +320,39 @@ fn contact() {
     let valley = |a: &str, p: &str, b: &str| Foot::Valley([q(a), q(p), q(b)]);
     assert_eq!(changed([valley("0", "1/4", "1/2"), at("1")]), "an end of a valley is not farther");
     assert_eq!(changed([valley("1/2", "1/4", "1/2"), at("1")]), "the positions of a valley are not in order");
+}
+
+/// How long a leaf takes: `cargo test --release --lib leaf_times -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn leaf_times() {
+    for (name, parts) in [("trefoil", 3), ("m98_5_2", 4), ("m98_5_3", 4)] {
+        let spine = Spine::of(&file(name)).unwrap();
+        let mut arcs = vec![Arc::Piece(spine.spans[0].clone()), Arc::Piece(spine.spans.last().unwrap().clone())];
+        for _ in 0..parts {
+            arcs = [spine.halves(&arcs[0]).unwrap()[0].clone(), spine.halves(&arcs[1]).unwrap()[1].clone()].into();
+        }
+        let [Arc::Piece(a), Arc::Piece(b)] = &arcs[..] else { panic!() };
+        let r = Squared::of(&q("0.0925342896334"));
+        let e = spine.spans[0].first();
+        let time = |what: &str, run: &mut dyn FnMut() -> bool| {
+            let start = std::time::Instant::now();
+            let fine = (0..1000).filter(|_| run()).count();
+            println!("{name} {what}: {:?} a leaf, {}", start.elapsed() / 1000, fine > 0);
+        };
+        time("bent", &mut || rules::bent(a, b, [1 << 19; 2], &r).is_ok());
+        time("side", &mut || rules::side(a, b, Which::First).is_ok());
+        time("share", &mut || rules::share(&e, b, 1 << 19, &r).is_ok());
+        time("curved", &mut || rules::curved(a, &r).is_ok());
+        time("cone", &mut || rules::cone(std::slice::from_ref(a), &[1, 2, 3]).is_ok());
+        time("slab", &mut || rules::slab(std::slice::from_ref(a), std::slice::from_ref(b), &[1, 2, 3], &r).is_ok());
+        time("halving, then bent", &mut || {
+            let half = Piece::new(a.from.clone(), a.to.clone(), a.r.clone(), a.w.clone());
+            let halves = spine.halves(&Arc::Piece(half)).unwrap();
+            let [Arc::Piece(first), _] = &halves else { panic!() };
+            rules::bent(first, b, [1 << 19; 2], &r).is_ok()
+        });
+    }
 }
 
 proptest! {
