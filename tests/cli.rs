@@ -441,7 +441,7 @@ fn a_certificate_is_verified() {
         answer(&run(&["verify", CURVE, CERTIFICATE]), 0),
         "verified: delta = 0.4999 .. 0.5        (file units)\n\
          on this open spine every radius below 0.4999 is free of self-intersection; no radius above 0.5 is\n\
-         evidence: 7 cone, 2 curved, 2 local, 7 side, 4 slab, all of it evaluated in integers\n"
+         evidence: 7 cone, 2 curved, 2 local, 2 share, 7 side, 2 slab, all of it evaluated in integers\n"
     );
     let value = verdict(&run(&["verify", CURVE, CERTIFICATE, "--json"]), 0);
     let digest = Spine::from_json_str(&fs::read_to_string(CURVE).unwrap()).unwrap().curve().digest();
