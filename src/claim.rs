@@ -1,4 +1,5 @@
 //! What is claimed: apart from the evidence, and about a curve that is given with it.
+#![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 use crate::certificate::Certificate;
 use crate::curve::Curve;

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 
 use crate::error::{Error, ErrorKind};
 use crate::number::{MAX_BYTES, MAX_NESTING, excerpt, over_limit};
+pub use crate::print::quote;
 
 /// A JSON value and where it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -86,25 +87,6 @@ pub fn parse(bytes: &[u8]) -> Result<Node<'_>, Error> {
         None => Ok(node),
         Some(_) => Err(syntax(reader.at, "there is text after the end of the JSON value")),
     }
-}
-
-/// `text` as a JSON string, quotation marks included.
-#[must_use]
-pub fn quote(text: &str) -> String {
-    let mut out = String::with_capacity(text.len() + 2);
-    out.push('"');
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            '\n' => out.push_str("\\n"),
-            '\t' => out.push_str("\\t"),
-            c if c < ' ' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }
 
 fn syntax(offset: usize, message: impl Into<String>) -> Error {

@@ -2,19 +2,28 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+#[cfg(feature = "search")]
 mod bernstein;
 pub mod certificate;
 pub mod check;
 pub mod claim;
+mod construct;
 pub mod curve;
+#[cfg(feature = "search")]
 pub mod enclosure;
 pub mod error;
+#[cfg(feature = "search")]
 mod integer;
 pub mod json;
 pub mod number;
+mod print;
+#[cfg(feature = "search")]
 mod radius;
+#[cfg(feature = "search")]
 mod roots;
+#[cfg(feature = "search")]
 mod search;
+#[cfg(feature = "search")]
 mod spine;
 
 pub use certificate::Certificate;
@@ -23,6 +32,9 @@ pub use claim::Claim;
 pub use curve::Curve;
 pub use error::{Error, ErrorKind};
 pub use number::Rational;
+#[cfg(feature = "search")]
 pub use radius::{Enclosure, LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms, radius};
+#[cfg(feature = "search")]
 pub use search::meter::Stop;
+#[cfg(feature = "search")]
 pub use spine::Spine;

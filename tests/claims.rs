@@ -1,5 +1,6 @@
 //! delta of curves for which it is known: published, constructed, or found to many digits by sampling. Each answer is
 //! also held against the oracle, exactly from above.
+#![cfg(feature = "search")]
 
 mod oracle;
 mod shapes;

@@ -1,7 +1,7 @@
 //! The program as a user or a script sees it: exact output, exit codes, errors, broken pipes.
 //!
 //! `UPDATE_SNAPSHOTS=1 cargo test --test cli` rewrites tests/snapshots; read the difference before committing it.
-#![cfg(feature = "cli")]
+#![cfg(all(feature = "cli", feature = "search"))]
 
 use std::fs;
 use std::io::Write;
@@ -378,7 +378,8 @@ fn wrong_usage_is_an_error() {
         &["radius", curve, curve],
         &["radius"],
         &["curvature", curve],
-        &["verify", curve, curve],
+        &["verify", curve],
+        &["verify", curve, curve, curve],
         &["completions", "clay-tablet"],
         &[],
     ] {
@@ -400,29 +401,135 @@ fn wrong_usage_is_an_error() {
 
 #[test]
 fn help_names_what_works_and_nothing_else() {
-    let help =
-        [&["--help"][..], &["radius", "--help"], &["help"]].map(|words| answer(&run(words), 0).to_string()).concat();
-    for word in
-        ["radius", "completions", "--json", "--rel-width", "--all-terms", "--max-cells", "--budget", "--version"]
-    {
+    let help = [&["--help"][..], &["radius", "--help"], &["verify", "--help"], &["help"]]
+        .map(|words| answer(&run(words), 0).to_string())
+        .concat();
+    for word in [
+        "radius",
+        "verify",
+        "completions",
+        "--answer",
+        "--json",
+        "--rel-width",
+        "--all-terms",
+        "--max-cells",
+        "--budget",
+        "--version",
+    ] {
         assert!(help.contains(word), "{word}");
     }
-    for word in [
-        "curvature",
-        "pairs",
-        "squares",
-        "polyline",
-        "check",
-        "verify",
-        "batch",
-        "report",
-        "--threads",
-        "--certificate",
-    ] {
+    for word in ["curvature", "pairs", "squares", "polyline", "check", "batch", "report", "--threads", "--certificate"]
+    {
         let named = help.split(|c: char| !(c.is_alphanumeric() || c == '-')).any(|found| found == word);
         assert!(!named, "{word} does not work yet");
     }
     assert_eq!(answer(&run(&["--version"]), 0), concat!("tubecert ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+const CURVE: &str = "tests/curves/m98_5_1_parabola.json";
+const CERTIFICATE: &str = "tests/certificates/accept/m98_5_1_parabola__naive.txt";
+
+fn verdict(output: &Output, expected: i32) -> Value {
+    let line = answer(output, expected);
+    assert!(line.starts_with(r#"{"schema":1,"command":"verify","tubecert":""#) && line.lines().count() == 1, "{line}");
+    serde_json::from_str(line).unwrap()
+}
+
+#[test]
+fn a_certificate_is_verified() {
+    assert_eq!(
+        answer(&run(&["verify", CURVE, CERTIFICATE]), 0),
+        "verified: delta = 0.4999 .. 0.5        (file units)\n\
+         on this open spine every radius below 0.4999 is free of self-intersection; no radius above 0.5 is\n\
+         evidence: 7 cone, 2 curved, 2 local, 2 share, 7 side, 2 slab, all of it evaluated in integers\n"
+    );
+    let value = verdict(&run(&["verify", CURVE, CERTIFICATE, "--json"]), 0);
+    let digest = Spine::from_json_str(&fs::read_to_string(CURVE).unwrap()).unwrap().curve().digest();
+    let claim = json!({"kind": "radius", "curve_digest": digest, "lo": 0.4999, "hi": 0.5});
+    assert_eq!(
+        (&value["verdict"], &value["claim"], &value["reason"], &value["curve"]["digest"]),
+        (&"verified".into(), &claim, &Value::Null, &digest.clone().into())
+    );
+    let curve = fs::read(CURVE).unwrap();
+    assert_eq!(verdict(&fed(&["verify", "-", CERTIFICATE, "--json"], &curve), 0), value);
+}
+
+#[test]
+fn a_claim_is_verified_as_it_is_printed() {
+    let printed = answer(&run(&["radius", CURVE, "--json"]), 0).to_string();
+    let with = |answer: &str, words: &[&str]| {
+        fed(&[&["verify", CURVE, CERTIFICATE, "--answer", "-"], words].concat(), answer.as_bytes())
+    };
+    // the certificate proves less than was answered
+    let value = verdict(&with(&printed, &["--json"]), 1);
+    assert_eq!((&value["verdict"], &value["claim"]["hi"]), (&"rejected".into(), &0.5.into()));
+    assert!(value["reason"].as_str().unwrap().starts_with("lo: the claim is more"), "{value}");
+    assert!(answer(&with(&printed, &[]), 1).starts_with("rejected: delta = "));
+    // what it does prove
+    let mut claim: Value = serde_json::from_str(&printed).unwrap();
+    for (lo, hi, expected) in [
+        ("0.4999", "0.5", 0),
+        ("0", "null", 0),
+        ("0.49990000000000000000000000001", "0.5", 1),
+        ("null", "null", 1),
+        ("0.4", "0.49999999999999999999999999999", 1),
+        ("0.4", "5e-1", 0),
+    ] {
+        let delta = format!(r#""delta":{{"lo":{lo},"hi":{hi}}},"#);
+        claim.as_object_mut().unwrap().remove("delta");
+        let text = claim.to_string().replacen('{', &format!("{{{delta}"), 1);
+        verdict(&with(&text, &["--json"]), expected);
+    }
+    // what makes no claim about this curve
+    for (text, key) in [
+        (printed.replace("\"radius\"", "\"curvature\""), json!("command")),
+        (printed.replace("\"digest\":\"", "\"digest\":\"0"), json!("curve.digest")),
+        (printed.replace("\"delta\"", "\"gamma\""), json!("delta.lo")),
+        ("{".to_string(), Value::Null),
+        ("[]".to_string(), json!("command")),
+    ] {
+        let value: Value = serde_json::from_str(answer(&with(&text, &["--json"]), 2)).unwrap();
+        assert_eq!((&value["error"]["key"], &value["error"]["file"]), (&key, &"-".into()), "{value}");
+    }
+}
+
+#[test]
+fn a_certificate_that_is_none_is_unusable() {
+    let (text, curve) = (fs::read_to_string(CERTIFICATE).unwrap(), "tests/curves/m98_5_2.json");
+    let value = verdict(&run(&["verify", curve, CERTIFICATE, "--json"]), 1);
+    assert_eq!(value["reason"], "curve: the certificate is for another curve");
+    let with = |text: &str| fed(&["verify", CURVE, "-", "--json"], text.as_bytes());
+    verdict(&with(&text), 0);
+    verdict(&with(&text.replace("hi 1/2", "hi 499/1000")), 1);
+    verdict(&with(&text.replace("local", "share 0")), 1);
+    for wrong in [
+        "",
+        "tubecert-certificate 1 radius",
+        &text.replace("1 radius", "2 radius"),
+        &text.replace("hi 1/2", "hi 2/4"),
+        &text.replace("hi 1/2", "hi -1/2"),
+        &text.replace("hi 1/2", "hi 1/0"),
+        &text.replace("curved\n", "curved \n"),
+        &text.replace("curved\n", "curved\r\n"),
+        &text.replace("cone", "kone"),
+        &text.replace("end\n", "end"),
+        &(text.clone() + "\n"),
+        &text.replacen("curve ", "curve A", 1),
+        &text.replace("hi 1/2", &format!("hi {}", "9".repeat(20_001))),
+    ] {
+        let value: Value = serde_json::from_str(answer(&with(wrong), 2)).unwrap();
+        let kind = value["error"]["kind"].as_str().unwrap();
+        assert!(kind == "certificate" || (kind == "limit" && wrong.len() > 20_000), "{value} {wrong}");
+    }
+    for words in [["verify", "nope", CERTIFICATE], ["verify", CURVE, "nope"]] {
+        assert_eq!((code(&run(&words)), run(&words).stdout), (2, vec![]));
+    }
+    assert_eq!(code(&run(&["verify", CURVE, CERTIFICATE, "--answer", "nope"])), 2);
+    #[cfg(target_os = "linux")]
+    {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        assert_eq!(code(&tubecert(&["verify", CURVE, CERTIFICATE]).stdout(full).output().unwrap()), 4);
+    }
 }
 
 #[test]

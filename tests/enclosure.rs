@@ -1,6 +1,7 @@
 //! Inclusion and tightness of both interval backends, against exact rational arithmetic.
 //!
 //! As in Arb's tests: draw intervals, draw rationals inside them, compute exactly, require the result inside.
+#![cfg(feature = "search")]
 
 use num_bigint::{BigInt, Sign};
 use num_rational::BigRational;

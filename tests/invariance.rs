@@ -1,5 +1,6 @@
 //! Random and adversarial spines: the answer lies within the oracle, and another description of the same curve, moved,
 //! turned, scaled, reversed, gets an answer that shares a number with it.
+#![cfg(feature = "search")]
 
 mod oracle;
 mod shapes;

@@ -20,8 +20,8 @@ const KEPT: usize = 4096;
 /// A span or a part of one. All is up to one positive factor.
 pub(super) struct Piece {
     /// Where it lies on the spine, over 2^DEPTH.
-    from: BigInt,
-    to: BigInt,
+    pub(super) from: BigInt,
+    pub(super) to: BigInt,
     pub(super) r: Vector,
     pub(super) w: Poly,
     a: OnceCell<Vector>,
@@ -39,7 +39,7 @@ pub(super) struct Products {
 }
 
 impl Piece {
-    fn new(from: BigInt, to: BigInt, mut r: Vector, mut w: Poly) -> Rc<Self> {
+    pub(super) fn new(from: BigInt, to: BigInt, mut r: Vector, mut w: Poly) -> Rc<Self> {
         let all = || r.iter().chain([&w]).flat_map(|f| &f.0);
         let twos = all().filter_map(BigInt::trailing_zeros).min().unwrap_or(0);
         r.iter_mut().chain([&mut w]).flat_map(|f| &mut f.0).for_each(|c| *c >>= twos);

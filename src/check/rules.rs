@@ -87,22 +87,23 @@ fn least(pieces: &[Rc<Piece>], g: &[BigInt; 3]) -> Result<(BigInt, BigInt), Why>
     least.ok_or("there are no control points")
 }
 
-fn apart(num: &BigInt, den: &BigInt, g: &[BigInt; 3], limit: &BigInt, r: &Squared) -> Result<(), Why> {
-    let far = num.sign() == Sign::Plus && num * num * &r.den > limit * &r.num * square(g) * den * den;
+/// Whether num/den is > 2 r |g|.
+fn apart(num: &BigInt, den: &BigInt, g: &[BigInt; 3], r: &Squared) -> Result<(), Why> {
+    let far = num.sign() == Sign::Plus && num * num * &r.den > (&r.num * square(g) * den * den) << 2_u8;
     check(far, "the two are not so far apart along the normal")
 }
 
 pub(super) fn slab(a: &[Rc<Piece>], b: &[Rc<Piece>], g: &[i64; 3], r: &Squared) -> Result<(), Why> {
     let g = g.map(BigInt::from);
     let ((p, v), (q, w)) = (least(a, &g)?, least(b, &g.each_ref().map(|c| -c))?);
-    apart(&(p * &w + q * &v), &(v * w), &g, &BigInt::from(4), r)
+    apart(&(p * &w + q * &v), &(v * w), &g, r)
 }
 
 pub(super) fn end_slab(end: &End, pieces: &[Rc<Piece>], g: &[i64; 3], r: &Squared) -> Result<(), Why> {
     let g = g.map(BigInt::from);
     let (p, v) = least(pieces, &g)?;
     let q: BigInt = end.r.iter().zip(&g).map(|(c, g)| c * g).sum();
-    apart(&(p * &end.w - q * &v), &(v * &end.w), &g, &BigInt::one(), r)
+    apart(&(p * &end.w - q * &v), &(v * &end.w), &g, r)
 }
 
 /// Adds f(s) D.a(s), where D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).

@@ -194,6 +194,13 @@ fn parabola() {
     let (certificate, verified) = accepted("parabola", &curve, "0.4999", Some("1/2"), upper.clone());
     assert_eq!((verified.lo(), verified.hi(), verified.closed()), (Some(&q("0.4999")), Some(&q("1/2")), false));
 
+    // the tests of the program read it
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/certificates/accept/m98_5_1_parabola__naive.txt");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(path, certificate.encode()).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(path).unwrap(), certificate.encode());
+
     let mut stronger = certificate.claim(curve.clone());
     stronger.lo = Some(q("0.49991"));
     assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "lo");
@@ -315,6 +322,51 @@ fn contact() {
     assert_eq!(changed([valley("1/2", "1/4", "1/2"), at("1")]), "the positions of a valley are not in order");
 }
 
+/// A disk of radius r about the end and one about a point at the distance 3/2 r may meet.
+#[test]
+fn a_slab_at_an_end_is_two_radii_thick() {
+    let line = curve(r#"{"degree": 1, "control_points": [[3, 0], [5, 0]]}"#);
+    let spine = Spine::of(&line).unwrap();
+    let end = End { r: [0, 0, 0].map(BigInt::from), w: BigInt::one(), a: [0, 1, 0].map(BigInt::from) };
+    let slab = |r: &str| rules::end_slab(&end, &spine.spans, &[7, 0, 0], &Squared::of(&q(r))).is_ok();
+    assert_eq!(["2", "3/2", "1.4999"].map(slab), [false, false, true]);
+    let two = |r: &str| rules::slab(&spine.spans, &spine.spans, &[1, 0, 0], &Squared::of(&q(r))).is_ok();
+    assert!(!two("0.001"));
+}
+
+/// How long a leaf takes: `cargo test --release --lib leaf_times -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn leaf_times() {
+    for (name, parts) in [("trefoil", 3), ("m98_5_2", 4), ("m98_5_3", 4)] {
+        let spine = Spine::of(&file(name)).unwrap();
+        let mut arcs = vec![Arc::Piece(spine.spans[0].clone()), Arc::Piece(spine.spans.last().unwrap().clone())];
+        for _ in 0..parts {
+            arcs = [spine.halves(&arcs[0]).unwrap()[0].clone(), spine.halves(&arcs[1]).unwrap()[1].clone()].into();
+        }
+        let [Arc::Piece(a), Arc::Piece(b)] = &arcs[..] else { panic!() };
+        let r = Squared::of(&q("0.0925342896334"));
+        let e = spine.spans[0].first();
+        let time = |what: &str, run: &mut dyn FnMut() -> bool| {
+            let start = std::time::Instant::now();
+            let fine = (0..1000).filter(|_| run()).count();
+            println!("{name} {what}: {:?} a leaf, {}", start.elapsed() / 1000, fine > 0);
+        };
+        time("bent", &mut || rules::bent(a, b, [1 << 19; 2], &r).is_ok());
+        time("side", &mut || rules::side(a, b, Which::First).is_ok());
+        time("share", &mut || rules::share(&e, b, 1 << 19, &r).is_ok());
+        time("curved", &mut || rules::curved(a, &r).is_ok());
+        time("cone", &mut || rules::cone(std::slice::from_ref(a), &[1, 2, 3]).is_ok());
+        time("slab", &mut || rules::slab(std::slice::from_ref(a), std::slice::from_ref(b), &[1, 2, 3], &r).is_ok());
+        time("halving, then bent", &mut || {
+            let half = Piece::new(a.from.clone(), a.to.clone(), a.r.clone(), a.w.clone());
+            let halves = spine.halves(&Arc::Piece(half)).unwrap();
+            let [Arc::Piece(first), _] = &halves else { panic!() };
+            rules::bent(first, b, [1 << 19; 2], &r).is_ok()
+        });
+    }
+}
+
 proptest! {
     /// The convolution code against values.
     #[test]
@@ -340,6 +392,33 @@ proptest! {
         // the derivative of f g is f' g + f g'
         let product = f.derivative().times(&g).plus(f.times(&g.derivative()));
         prop_assert_eq!(value(&f.times(&g).derivative()), value(&product));
+    }
+
+    /// Whatever lines are moved or changed: no panic, and nothing false is verified. delta of the parabola is 1/2.
+    #[test]
+    fn tampering(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<prop::sample::Index>(), 0..6), 1..4),
+    ) {
+        let text = include_str!("../../tests/certificates/accept/m98_5_1_parabola__naive.txt");
+        let mut lines: Vec<String> = text.lines().map(str::to_string).collect();
+        for (at, from, kind) in changes {
+            let (at, other) = (at.index(lines.len()), lines[from.index(lines.len())].clone());
+            match kind {
+                0 => lines[at] = other,
+                1 => lines.insert(at, other),
+                2 => lines[at] = lines[at].replace("4999", "500001"),
+                3 => lines[at] = lines[at].replace("1/2", "4999/10000"),
+                4 => lines[at] = lines[at].replace("cone", "slab"),
+                _ => lines[at] = lines[at].replace("1048576", "-9223372036854775808"),
+            }
+        }
+        let curve = file("m98_5_1_parabola");
+        if let Ok(certificate) = Certificate::decode((lines.join("\n") + "\n").as_bytes())
+            && let Ok(verified) = verify(&certificate.claim(curve), &certificate)
+        {
+            prop_assert!(verified.lo().is_some_and(|lo| compare(lo, &q("1/2")).is_lt()));
+            prop_assert!(verified.hi().is_none_or(|hi| compare(hi, &q("1/2")).is_ge()));
+        }
     }
 
     /// The forms of the rules against their definitions, on a rational and an integral arc.

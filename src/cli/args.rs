@@ -1,6 +1,7 @@
 //! What may be typed. A command or flag that does not work yet does not stand here.
 
 use std::path::PathBuf;
+#[cfg(feature = "search")]
 use std::time::Duration;
 
 use clap::{Parser, Subcommand};
@@ -13,8 +14,8 @@ use clap_complete::Shell;
     version,
     arg_required_else_help = true,
     after_help = "\
-Exit codes: 0 answered and proved; 2 unusable input or usage; 3 undecided within the limits (what is printed is
-still true, only wider); 4 output not writable or floating point broken (nothing is claimed)."
+Exit codes: 0 answered and proved; 1 rejected; 2 unusable input or usage; 3 undecided within the limits (what is
+printed is still true, only wider); 4 output not writable or floating point broken (nothing is claimed)."
 )]
 pub struct Args {
     #[command(subcommand)]
@@ -24,7 +25,10 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Encloses delta, the largest radius for which the solid tube does not self-intersect
+    #[cfg(feature = "search")]
     Radius(RadiusArgs),
+    /// Replays a certificate in exact arithmetic: does it prove the claim about the curve?
+    Verify(VerifyArgs),
     /// Prints the completion script of a shell
     Completions {
         /// The shell
@@ -32,6 +36,21 @@ pub enum Command {
     },
 }
 
+#[derive(Debug, clap::Args)]
+pub struct VerifyArgs {
+    /// The curve file (JSON); - is standard input
+    pub curve: PathBuf,
+    /// The certificate
+    pub certificate: PathBuf,
+    /// The claim: a JSON answer of radius; without it, the strongest that the certificate proves
+    #[arg(long, value_name = "ANSWER")]
+    pub answer: Option<PathBuf>,
+    /// Print the verdict as JSON; a failure too
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[cfg(feature = "search")]
 #[derive(Debug, clap::Args)]
 pub struct RadiusArgs {
     /// The curve file (JSON); - is standard input
@@ -56,11 +75,13 @@ pub struct RadiusArgs {
     pub budget: Option<Duration>,
 }
 
+#[cfg(feature = "search")]
 fn rel_width(text: &str) -> Result<f64, String> {
     let width = text.parse().ok().filter(|w: &f64| *w > 0.0 && *w < 1.0);
     width.ok_or_else(|| "a number between 0 and 1 is wanted, for instance 1e-9".to_string())
 }
 
+#[cfg(feature = "search")]
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0);
     let limit = seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());

@@ -2,25 +2,28 @@
 
 mod args;
 mod json;
+#[cfg(feature = "search")]
+mod radius;
 mod text;
+mod verify;
 
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser};
-use indicatif::{ProgressBar, ProgressStyle};
 use tubecert::number::MAX_BYTES;
-use tubecert::{Curve, Enclosure, Error, ErrorKind, Radius, RadiusOptions, Spine};
+use tubecert::{Error, ErrorKind};
 
-use args::{Args, Command, RadiusArgs};
+use args::{Args, Command};
 
 const DONE: u8 = 0;
+const REJECTED: u8 = 1;
 const UNUSABLE: u8 = 2;
+#[cfg(feature = "search")]
 const UNDECIDED: u8 = 3;
 const NO_CLAIM: u8 = 4;
 
@@ -51,10 +54,9 @@ pub fn main() -> ExitCode {
         }
     };
     match args.command {
-        Command::Radius(args) => match radius(&args) {
-            Ok((text, code)) => print(&text, code),
-            Err(failure) => fail(&failure, args.json),
-        },
+        #[cfg(feature = "search")]
+        Command::Radius(args) => say(radius::run(&args), args.json),
+        Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write
             let mut script = Vec::new();
@@ -64,56 +66,6 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn radius(args: &RadiusArgs) -> Result<(String, u8), Box<Failure>> {
-    let start = Instant::now();
-    let file = args.curve.display().to_string();
-    let refused = |error| Box::new(Failure::of(file.clone(), error));
-    let bytes = read(&args.curve, &file)?;
-    let spine = Curve::from_json_slice(&bytes).and_then(Spine::from_curve).map_err(refused)?;
-    drop(bytes);
-
-    // drawn on a terminal only, and first after a second
-    let bar = ProgressBar::no_length();
-    bar.set_style(
-        ProgressStyle::with_template("{spinner} {human_pos} cells").unwrap_or(ProgressStyle::default_spinner()),
-    );
-    let shown = bar.clone();
-    let progress = move |cells| {
-        if start.elapsed() > Duration::from_secs(1) {
-            shown.set_position(cells);
-        }
-    };
-    let mut options = RadiusOptions::new()
-        .rel_width(args.rel_width)
-        .all_terms(args.all_terms)
-        .certificate(args.certificate.is_some())
-        .max_cells(args.max_cells)
-        .progress(progress);
-    if let Some(limit) = args.budget {
-        options = options.budget(limit.saturating_sub(start.elapsed()));
-    }
-    let answer = tubecert::radius(&spine, &options);
-    bar.finish_and_clear();
-
-    let answer = printable(answer.map_err(refused)?);
-    if let Some(path) = &args.certificate {
-        std::fs::write(path, answer.certificate.as_ref().unwrap().encode()).unwrap();
-    }
-    let code = if answer.complete { DONE } else { UNDECIDED };
-    let text = if args.json { json::radius(&spine, &answer) } else { text::radius(&spine, &answer, args) };
-    Ok((text, code))
-}
-
-/// Without places below every f64: the format has no -infinity.
-fn printable(mut answer: Radius) -> Radius {
-    let bounded = |e: &Enclosure| e.lo > f64::NEG_INFINITY;
-    answer.at = answer.at.filter(|at| bounded(&at.t) && at.s.as_ref().is_none_or(bounded));
-    if let Some(at) = &mut answer.at {
-        at.x = at.x.filter(|x| x.iter().all(bounded));
-    }
-    answer
-}
-
 /// The bytes of a file, never more than are allowed.
 fn read(path: &Path, file: &str) -> Result<Vec<u8>, Box<Failure>> {
     let failure = |kind: ErrorKind, message, help: &str| {
@@ -121,7 +73,7 @@ fn read(path: &Path, file: &str) -> Result<Vec<u8>, Box<Failure>> {
         Box::new(Failure { file, help: Some(help.to_string()), ..Failure::new(kind.word(), message, UNUSABLE) })
     };
     let unreadable = |error: io::Error| {
-        let help = "give a readable curve file, or - for standard input";
+        let help = "give a readable file, or - for standard input";
         failure(ErrorKind::Io, format!("the file cannot be read: {error}"), help)
     };
     let most = MAX_BYTES as u64;
@@ -171,6 +123,16 @@ impl Failure {
 
 fn asks_for_json(words: &[OsString]) -> bool {
     words.iter().take_while(|word| *word != "--").any(|word| word == "--json")
+}
+
+/// An answer and its exit code.
+type Said = Result<(String, u8), Box<Failure>>;
+
+fn say(said: Said, as_json: bool) -> ExitCode {
+    match said {
+        Ok((text, code)) => print(&text, code),
+        Err(failure) => fail(&failure, as_json),
+    }
 }
 
 fn fail(failure: &Failure, as_json: bool) -> ExitCode {

@@ -2,10 +2,11 @@
 
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use super::{Curve, check_lengths, shown};
+use super::{Curve, check_lengths};
 use crate::error::{Error, ErrorKind};
 use crate::json::{self, Node, Value};
 use crate::number::{MAX_DEGREE, Rational, excerpt, parse_rational};
+use crate::print::shown;
 
 impl Curve {
     /// Reads a curve file. See [`Curve::from_json_slice`].

@@ -1,0 +1,276 @@
+//! The one spelling of a certificate, and its limits: docs/certificate-format.md, section 1.
+
+use std::fmt::{self, Display, Write};
+
+use num_bigint::BigInt;
+use num_traits::{One, Zero};
+
+use super::{Certificate, EndTree, Foot, Node, SpanArc, Upper, Which};
+use crate::error::{Error, ErrorKind};
+use crate::number::{MAX_BYTES, Rational, excerpt, over_limit, to_fraction_text};
+
+/// The most digits of an integer in a certificate.
+pub const MAX_CERTIFICATE_DIGITS: usize = 20_000;
+
+const HEAD: &str = "tubecert-certificate 1 radius";
+
+impl Certificate {
+    /// Reads a certificate. Only the canonical spelling is accepted.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Limit`] beyond [`MAX_BYTES`] or [`MAX_CERTIFICATE_DIGITS`]; [`ErrorKind::Certificate`] with the
+    /// number of the line for all else.
+    pub fn decode(bytes: &[u8]) -> Result<Self, Error> {
+        if bytes.len() > MAX_BYTES {
+            return Err(over_limit(format_args!("a text of {} bytes", bytes.len()), MAX_BYTES, "MAX_BYTES"));
+        }
+        let text = std::str::from_utf8(bytes).map_err(|e| undecodable(0, "not ASCII").offset(e.valid_up_to()))?;
+        let mut lines = Lines { rest: text.split('\n').peekable(), number: 0 };
+        let certificate = lines.certificate()?;
+        // one value, one spelling: whatever was read loosely is found here
+        let written = certificate.encode();
+        if written != text {
+            let same = written.lines().zip(text.lines()).take_while(|(a, b)| a == b).count();
+            return Err(undecodable(same + 1, "not the canonical spelling"));
+        }
+        Ok(certificate)
+    }
+
+    /// The canonical text.
+    #[must_use]
+    pub fn encode(&self) -> String {
+        let bound = |b: &Option<Rational>| b.as_ref().map_or("inf".to_string(), to_fraction_text);
+        let mut out = format!("{HEAD}\ncurve {}\nlo {}\nhi {}\n", self.digest, bound(&self.lo), bound(&self.hi));
+        let mut tree = |head: String, nodes: &[Node]| {
+            out += &head;
+            for node in nodes {
+                // writing to a String cannot fail
+                let _ = writeln!(out, "{node}");
+            }
+        };
+        tree("along\n".to_string(), &self.along);
+        if let Some(pairs) = &self.pairs {
+            tree("pairs\n".to_string(), pairs);
+        }
+        for (name, end) in ["start", "finish"].iter().zip(self.ends.iter().flatten()) {
+            let [x, y, z] = end.axis;
+            tree(format!("{name} {x} {y} {z}\n"), &end.nodes);
+        }
+        let list = |v: &[Rational]| v.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ");
+        out += &match &self.upper {
+            Upper::None => "upper none\n".to_string(),
+            Upper::Curvature { span, t } => format!("upper curvature {span} {}\n", to_fraction_text(t)),
+            Upper::Corner(joint) => format!("upper corner {joint}\n"),
+            Upper::Contact { x, feet } => {
+                let foot = |foot: &Foot| match foot {
+                    Foot::Plane(p) => format!("plane {}\n", to_fraction_text(p)),
+                    Foot::Valley(p) => format!("valley {}\n", list(p)),
+                };
+                format!("upper contact {}\n{}", list(x), feet.iter().map(foot).collect::<String>())
+            }
+            Upper::Crossing { arcs: [s, t], normal, first, second } => {
+                let arc = |a: &SpanArc| format!("{} {}", a.span, list(&[a.from.clone(), a.to.clone()]));
+                let [n, e, f] = [normal, first, second].map(|v| list(v));
+                format!("upper crossing {} {}\nnormal {n}\nfirst {e}\nsecond {f}\n", arc(s), arc(t))
+            }
+        };
+        out + "end\n"
+    }
+}
+
+impl Node {
+    /// The first word of its line.
+    pub(crate) const fn name(&self) -> &'static str {
+        match self {
+            Self::Split => "/",
+            Self::SplitOne(Which::First) => "1",
+            Self::SplitOne(Which::Second) => "2",
+            Self::Curved => "curved",
+            Self::Cone(_) => "cone",
+            Self::Slab(_) => "slab",
+            Self::Side(_) => "side",
+            Self::Bent(_) => "bent",
+            Self::Local => "local",
+            Self::Share(_) => "share",
+        }
+    }
+}
+
+impl Display for Node {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())?;
+        match self {
+            Self::Cone([x, y, z]) | Self::Slab([x, y, z]) => write!(f, " {x} {y} {z}"),
+            Self::Side(Which::First) => f.write_str(" 1"),
+            Self::Side(Which::Second) => f.write_str(" 2"),
+            Self::Bent([x, y]) => write!(f, " {x} {y}"),
+            Self::Share(k) => write!(f, " {k}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn undecodable(line: usize, what: impl Display) -> Error {
+    Error::new(ErrorKind::Certificate, format!("line {line}: {what}"))
+        .help("write the certificate anew: tubecert radius CURVE --certificate FILE")
+}
+
+/// The lines of a text, read loosely: that the spelling is canonical is checked by writing it again.
+struct Lines<'a> {
+    rest: std::iter::Peekable<std::str::Split<'a, char>>,
+    number: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn error(&self, what: impl Display) -> Error {
+        undecodable(self.number, what)
+    }
+
+    /// The fields of the next line after the words it must start with.
+    fn after(&mut self, words: &str) -> Result<Vec<&'a str>, Error> {
+        self.number += 1;
+        let line = self.rest.next().unwrap_or("");
+        let rest = line.strip_prefix(words).ok_or_else(|| self.error(format_args!("wanted {words:?}")))?;
+        Ok(rest.split(' ').filter(|field| !field.is_empty()).collect())
+    }
+
+    fn certificate(&mut self) -> Result<Certificate, Error> {
+        self.after(HEAD)?;
+        let [digest] = self.fields("curve")?;
+        if digest.len() != 64 || !digest.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f')) {
+            return Err(self.error("a digest has 64 lower-case hexadecimal digits"));
+        }
+        let lo = self.bound("lo")?;
+        let hi = self.bound("hi")?;
+        self.after("along")?;
+        let along = self.nodes();
+        let bounded = lo.as_ref().is_some_and(|lo| !lo.is_zero());
+        let pairs = if bounded { Some(self.after("pairs").map(|_| self.nodes())?) } else { None };
+        let open = self.rest.peek().is_some_and(|line| line.starts_with("start"));
+        let ends = if bounded && open { Some([self.end_tree("start")?, self.end_tree("finish")?]) } else { None };
+        let upper = self.upper()?;
+        self.after("end")?;
+        Ok(Certificate { digest: digest.to_string(), lo, hi, along, pairs, ends, upper })
+    }
+
+    fn fields<const N: usize>(&mut self, words: &str) -> Result<[&'a str; N], Error> {
+        let fields = self.after(words)?;
+        let found = fields.len();
+        fields.try_into().map_err(|_| self.error(format_args!("{found} fields after {words:?}; wanted {N}")))
+    }
+
+    /// The nodes up to the first line that is none.
+    fn nodes(&mut self) -> Vec<Node> {
+        let mut nodes = vec![];
+        while let Some(node) = self.rest.peek().and_then(|line| node(line)) {
+            nodes.push(node);
+            self.rest.next();
+            self.number += 1;
+        }
+        nodes
+    }
+
+    fn end_tree(&mut self, name: &str) -> Result<EndTree, Error> {
+        let fields: [&str; 3] = self.fields(name)?;
+        let axis = whole(&fields).ok_or_else(|| self.error("wanted three integers"))?;
+        Ok(EndTree { axis, nodes: self.nodes() })
+    }
+
+    fn bound(&mut self, name: &str) -> Result<Option<Rational>, Error> {
+        let [text] = self.fields(name)?;
+        match text {
+            "inf" => Ok(None),
+            _ if text.starts_with('-') => Err(self.error("a bound is not negative")),
+            _ => self.rational(text).map(Some),
+        }
+    }
+
+    fn rationals<const N: usize>(&self, fields: [&str; N]) -> Result<[Rational; N], Error> {
+        let mut all = std::array::from_fn(|_| Rational::zero());
+        for (place, text) in all.iter_mut().zip(fields) {
+            *place = self.rational(text)?;
+        }
+        Ok(all)
+    }
+
+    fn rational(&self, text: &str) -> Result<Rational, Error> {
+        let integer = |text: &str| {
+            if text.strip_prefix('-').unwrap_or(text).len() > MAX_CERTIFICATE_DIGITS {
+                let what = format_args!("line {}: a number of {} characters", self.number, text.len());
+                return Err(over_limit(what, MAX_CERTIFICATE_DIGITS, "MAX_CERTIFICATE_DIGITS"));
+            }
+            BigInt::parse_bytes(text.as_bytes(), 10)
+                .ok_or_else(|| self.error(format_args!("{} is no number", excerpt(text))))
+        };
+        let (p, q) = match text.split_once('/') {
+            Some((p, q)) => (integer(p)?, integer(q)?),
+            None => (integer(text)?, BigInt::one()),
+        };
+        if q.is_zero() { Err(self.error("the denominator 0")) } else { Ok(Rational::new(p, q)) }
+    }
+
+    fn upper(&mut self) -> Result<Upper, Error> {
+        let fields = self.after("upper")?;
+        match fields[..] {
+            ["none"] => Ok(Upper::None),
+            ["curvature", span, t] => Ok(Upper::Curvature { span: self.index(span)?, t: self.rational(t)? }),
+            ["corner", joint] => Ok(Upper::Corner(self.index(joint)?)),
+            ["contact", x, y, z] => {
+                let x = self.rationals([x, y, z])?;
+                Ok(Upper::Contact { x, feet: [self.foot()?, self.foot()?] })
+            }
+            ["crossing", i, s0, s1, j, t0, t1] => {
+                let [s0, s1, t0, t1] = self.rationals([s0, s1, t0, t1])?;
+                let arcs = [
+                    SpanArc { span: self.index(i)?, from: s0, to: s1 },
+                    SpanArc { span: self.index(j)?, from: t0, to: t1 },
+                ];
+                let mut vector = |name| self.fields(name).and_then(|fields| self.rationals(fields));
+                Ok(Upper::Crossing {
+                    arcs,
+                    normal: vector("normal")?,
+                    first: vector("first")?,
+                    second: vector("second")?,
+                })
+            }
+            _ => Err(self.error("no witness of this kind")),
+        }
+    }
+
+    fn foot(&mut self) -> Result<Foot, Error> {
+        let fields = self.after("")?;
+        match fields[..] {
+            ["plane", p] => Ok(Foot::Plane(self.rational(p)?)),
+            ["valley", a, p, b] => Ok(Foot::Valley(self.rationals([a, p, b])?)),
+            _ => Err(self.error("wanted \"plane\" or \"valley\"")),
+        }
+    }
+
+    fn index(&self, text: &str) -> Result<usize, Error> {
+        text.parse().map_err(|_| self.error(format_args!("{} is no index", excerpt(text))))
+    }
+}
+
+fn whole<const N: usize>(fields: &[&str]) -> Option<[i64; N]> {
+    let numbers: Vec<i64> = fields.iter().map(|f| f.parse().ok()).collect::<Option<_>>()?;
+    numbers.try_into().ok()
+}
+
+fn node(line: &str) -> Option<Node> {
+    let fields: Vec<&str> = line.split(' ').collect();
+    let (name, rest) = fields.split_first()?;
+    Some(match (*name, rest) {
+        ("/", []) => Node::Split,
+        ("1", []) => Node::SplitOne(Which::First),
+        ("2", []) => Node::SplitOne(Which::Second),
+        ("curved", []) => Node::Curved,
+        ("cone", rest) => Node::Cone(whole(rest)?),
+        ("slab", rest) => Node::Slab(whole(rest)?),
+        ("side", ["1"]) => Node::Side(Which::First),
+        ("side", ["2"]) => Node::Side(Which::Second),
+        ("bent", rest) => Node::Bent(whole(rest)?),
+        ("local", []) => Node::Local,
+        ("share", [k]) => Node::Share(k.parse().ok()?),
+        _ => return None,
+    })
+}

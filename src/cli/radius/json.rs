@@ -1,0 +1,95 @@
+//! The JSON answer of a radius.
+
+use serde::ser::{Error as _, Serialize, SerializeStruct, Serializer};
+use serde_json::value::RawValue;
+use tubecert::number::{lower_text, upper_text};
+use tubecert::{Enclosure, Radius, Spine, SpineEnd};
+
+use crate::cli::json;
+
+/// `{"lo", "hi"}`, each true as the decimal that is printed and as its nearest f64; `null` is +infinity.
+struct E(Enclosure);
+
+impl Serialize for E {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let raw = |text: String| RawValue::from_string(text).map_err(S::Error::custom);
+        let mut pair = serializer.serialize_struct("E", 2)?;
+        pair.serialize_field("lo", &raw(lower_text(self.0.lo))?)?;
+        pair.serialize_field("hi", &raw(upper_text(self.0.hi))?)?;
+        pair.end()
+    }
+}
+
+#[derive(serde::Serialize)]
+struct RadiusData {
+    delta: E,
+    limited_by: &'static str,
+    also: Vec<&'static str>,
+    closed: bool,
+    at: Option<At>,
+    terms: Terms,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rim: Option<Rim>,
+}
+
+#[derive(serde::Serialize)]
+struct At {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    s: Option<E>,
+    t: E,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    x: Option<[E; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    end: Option<&'static str>,
+}
+
+#[derive(serde::Serialize)]
+struct Terms {
+    curvature: E,
+    body_to_body: E,
+    end_to_body: E,
+    end_to_end: E,
+}
+
+#[derive(serde::Serialize)]
+struct Rim {
+    end_to_body: E,
+    end_to_end: E,
+    delta: E,
+}
+
+pub fn radius(spine: &Spine, answer: &Radius) -> String {
+    let at = answer.at.as_ref().map(|at| At {
+        s: at.s.map(E),
+        t: E(at.t),
+        x: at.x.map(|x| x.map(E)),
+        end: at.end.map(|end| match end {
+            SpineEnd::Start => "start",
+            SpineEnd::Finish => "finish",
+        }),
+    });
+    let terms = &answer.terms;
+    let rim = answer.rim.as_ref();
+    json::answer(
+        "radius",
+        spine.curve(),
+        RadiusData {
+            delta: E(answer.delta),
+            limited_by: answer.limited_by.word(),
+            also: answer.also.iter().map(|term| term.word()).collect(),
+            closed: answer.closed,
+            at,
+            terms: Terms {
+                curvature: E(terms.curvature),
+                body_to_body: E(terms.body_to_body),
+                end_to_body: E(terms.end_to_body),
+                end_to_end: E(terms.end_to_end),
+            },
+            rim: rim.map(|rim| Rim {
+                end_to_body: E(rim.end_to_body),
+                end_to_end: E(rim.end_to_end),
+                delta: E(rim.delta),
+            }),
+        },
+    )
+}
