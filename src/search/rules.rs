@@ -151,3 +151,35 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
 pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
     frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth).forms()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(points: [V3; 3]) -> Cell {
+        let p = points.to_vec();
+        let a = points.windows(2).map(|p| sub(&p[1], &p[0])).collect();
+        let (r, w) = (p.clone(), vec![]);
+        Cell { segment: 0, depth: 0, index: 0, r, r_err: 0.0, w, w_err: 0.0, a, a_err: 0.0, p, p_err: 0.0, even: true }
+    }
+
+    /// An arc that turns back: (p - q).a is below 0 for its first hodograph vector and above 0 for its second, and
+    /// where it turns the distance to the other arc is stationary.
+    #[test]
+    fn one_side_needs_one_sign_of_all_hodograph_vectors() {
+        let back = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]]);
+        let on = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [2.0, 0.1, 0.0]]);
+        let far = cell([[10.0, -0.1, 0.0], [10.0, 0.0, 0.0], [10.0, 0.1, 0.0]]);
+        let before = cell([[-10.0, -0.1, 0.0], [-10.0, 0.0, 0.0], [-10.0, 0.1, 0.0]]);
+        for other in [&far, &before] {
+            assert!(!one_side(&back, other, &back, 1e-12));
+            assert!(!one_side(other, &back, &back, 1e-12));
+            // one vector alone, or both with one sign, would do
+            assert!(one_side(&on, other, &on, 1e-12));
+            assert!(one_side(other, &on, &on, 1e-12));
+        }
+        let first = Cell { a: vec![back.a[0]], ..cell([[0.0; 3]; 3]) };
+        let second = Cell { a: vec![back.a[1]], ..cell([[0.0; 3]; 3]) };
+        assert!(one_side(&back, &far, &first, 1e-12) && one_side(&back, &far, &second, 1e-12));
+    }
+}
