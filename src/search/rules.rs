@@ -113,7 +113,7 @@ pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, model: &Model, bend: bool) -
     }
     let plain = stretched(&d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
     // dC/d sigma = pace a / w^2 on a cell, up to O(h^2); the weights at the middle
-    let middle = |c: &Cell| if c.w.is_empty() { 1.0 } else { c.w[c.w.len() / 2] };
+    let middle = |c: &Cell| 0.5 * (c.weight(0) + c.weight(c.w.len().max(1) - 1));
     let pace = |c: &Cell| norm(&sub(&c.p[c.p.len() - 1], &c.p[0])) * (middle(c) * middle(c)) / mean(c);
     let ratio = middle(y) / middle(x);
     let (kx, ky) = (-ratio * pace(x), pace(y) / ratio);
