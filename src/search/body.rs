@@ -122,7 +122,8 @@ impl Search<'_, '_> {
                 let model = self.refine(i, j);
                 let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return None };
                 // the bent rule is off by about this: not before that is below what it has to spare
-                let off = 2.0 * (bulge(x) + bulge(y)) * (bulge(x) + bulge(y));
+                let curved = bulge(x) + bulge(y);
+                let off = curved * if model.flat { 2.0 * curved } else { spread };
                 let spare = model.predicted_sq - 4.0 * self.radius * self.radius;
                 let bend = off < spare.max(1e-2 * self.margin * model.predicted_sq);
                 if (bend || model.shares.is_some()) && self.closed_by_forms(x, y, &model, bend) {
@@ -180,11 +181,11 @@ impl Search<'_, '_> {
             (c.segment, c.index as f64 * h, h)
         };
         let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
-            return Model { centre: [0.5; 2], predicted_sq: 0.0, shares: None };
+            return Model { centre: [0.5; 2], predicted_sq: 0.0, flat: false, shares: None };
         };
         let ((cs, s0, hs), (ct, t0, ht)) = (unit(x), unit(y));
         let (mut s, mut t) = (s0 + 0.5 * hs, t0 + 0.5 * ht);
-        let mut model = Model { centre: [0.5; 2], predicted_sq: 0.0, shares: None };
+        let mut model = Model { centre: [0.5; 2], predicted_sq: 0.0, flat: false, shares: None };
         let curved = bulge(x) + bulge(y);
         for round in 0..12 {
             let step = newton_step(&self.tree.evaluate(cs, s), &self.tree.evaluate(ct, t));
@@ -195,6 +196,7 @@ impl Search<'_, '_> {
                 let [ds, dt, predicted_sq] = if near { whole } else { step.across.unwrap_or(whole) };
                 model.centre = [0.5 + ds / hs, 0.5 + dt / ht].map(|x| x.clamp(-1.0, 2.0));
                 model.predicted_sq = predicted_sq;
+                model.flat = step.flat;
                 model.shares = shares(&step, [hs, ht], curved);
                 let known = self.candidate.map_or(f64::INFINITY, |c| c.radius * (1.0 - self.margin));
                 let wanted = 2.0 * (self.radius * (1.0 + 4.0 * self.margin)).min(known);
@@ -285,6 +287,10 @@ fn parameter_gap(frame: &Frame, s: (usize, f64), t: (usize, f64)) -> f64 {
 fn shares(step: &Step, h: [f64; 2], curved: f64) -> Option<[f64; 2]> {
     let [a, b, c] = step.hessian;
     let det = (a * c - b * b).abs();
+    // where the curves q.T(s) = 0 and q.T(t) = 0 cross at a fair angle, tilt alone will soon do for less
+    if det > 0.1 * (a * a + c * c) {
+        return None;
+    }
     let rows = [[c, -b], [-b, a]];
     let outside = |k: usize| {
         let [s, t] = rows[k];

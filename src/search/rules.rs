@@ -12,6 +12,8 @@ pub(crate) struct Model {
     pub(crate) centre: [f64; 2],
     /// |q|^2 there.
     pub(crate) predicted_sq: f64,
+    /// Is |q|^2 all but constant in some direction?
+    pub(crate) flat: bool,
     /// Shares of q.T(s) and q.T(t) that may have one sign together where neither has alone.
     pub(crate) shares: Option<[f64; 2]>,
 }
