@@ -6,13 +6,64 @@ use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_er
 use crate::enclosure::Interval;
 use crate::integer::Int;
 
+/// What the quadratic model of |q|^2 in the middle of two cells sees; it only steers the rules.
+pub(crate) struct Model {
+    /// The nearest critical pair, relative to the cells: there the *bent* rule is centred.
+    pub(crate) centre: [f64; 2],
+    /// |q|^2 there.
+    pub(crate) predicted_sq: f64,
+    /// Is |q|^2 all but constant in some direction?
+    pub(crate) flat: bool,
+    /// Shares of q.T(s) and q.T(t) that may have one sign together where neither has alone.
+    pub(crate) shares: Option<[f64; 2]>,
+}
+
+/// The *bent* rule multiplies D.a by a product of lines (given by the values at both ends), so that q.C' comes to be
+/// multiplied by the arc length from the centre up to third order; `shape` is that of the cell.
+fn lines(centre: f64, shape: &Shape) -> [[f64; 2]; 2] {
+    let (a, b) = (1.0 + shape.pace * centre + 0.5 * shape.weight, shape.pace + shape.weight);
+    [[-centre, 1.0 - centre], [a, a - b]]
+}
+
+/// By which share half the speed, and the weight, grow along a cell, numerically.
+struct Shape {
+    pace: f64,
+    weight: f64,
+}
+
+impl Shape {
+    fn of(c: &Cell) -> Self {
+        let growth = |from: f64, to: f64| {
+            // few bits, for exact arithmetic
+            let share = (((to - from) / (to + from)) * 1_048_576.0).round() / 1_048_576.0;
+            if share.is_nan() { 0.0 } else { share.clamp(-0.5, 0.5) }
+        };
+        let (w0, w1) = (c.weight(0), c.weight(c.w.len().max(1) - 1));
+        let pace = growth(norm(&c.a[0]) / (w0 * w0), norm(&c.a[c.a.len() - 1]) / (w1 * w1));
+        Self { pace, weight: 2.0 * growth(w0, w1) }
+    }
+
+    /// The weight along the cell, 1 in the middle.
+    fn weights(&self) -> [f64; 2] {
+        [1.0 - 0.5 * self.weight, 1.0 + 0.5 * self.weight]
+    }
+}
+
 /// The same rules from exact arcs: intervals first, then integers.
-pub(crate) fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> bool {
-    fn run<T: Scalar>(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> Option<bool> {
+pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, model: &Model) -> bool {
+    fn run<T: Scalar>([x, y]: [&ExactForms; 2], shapes: &[Shape; 2], radius: f64, centre: [f64; 2]) -> Option<bool> {
         // w(t) / w(s): here a = r'w - r w' in the scale of r and w
         let (ratio, exp) = weight_ratio(&y.w, &x.w);
-        let first = Form::<T>::line(centre[0] * ratio, (centre[0] - 1.0) * ratio, exp);
-        let second = Form::<T>::line(-centre[1] / ratio, (1.0 - centre[1]) / ratio, -exp).transposed();
+        let middle = |shape: &Shape| 1.0 - 0.5 * shape.weight;
+        let ratio = ratio * middle(&shapes[0]) / middle(&shapes[1]);
+        let line = |[from, to]: [f64; 2], k: f64, exp: i64| Form::<T>::line(from * k, to * k, exp);
+        let multiplier = |k: usize, ratio: f64, exp: i64| {
+            let [first, second] = lines(centre[k], &shapes[k]);
+            let own = line(first, ratio, exp).mul(&line(second, 1.0, 0));
+            let other = line(shapes[1 - k].weights(), 1.0, 0);
+            if k == 0 { own.mul(&other.transposed()) } else { own.transposed().mul(&other) }
+        };
+        let (first, second) = (multiplier(0, -ratio, exp), multiplier(1, 1.0 / ratio, -exp));
         let (x, mut y) = (x.cast::<T>(), y.cast::<T>());
         y = ArcForms { r: y.r.map(Form::transposed), w: y.w.transposed(), a: y.a.map(Form::transposed) };
         let d: Vec3<T> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
@@ -22,7 +73,9 @@ pub(crate) fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 
             plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive()
         }])
     }
-    run::<Interval>(x, y, radius, centre).unwrap_or_else(|| run::<Int>(x, y, radius, centre) == Some(true))
+    let shapes = cells.map(Shape::of);
+    run::<Interval>(exact, &shapes, radius, model.centre)
+        .unwrap_or_else(|| run::<Int>(exact, &shapes, radius, model.centre) == Some(true))
 }
 
 /// `Some(true)` if a rule says so; `Some(false)` if all surely fail; `None` if the arithmetic cannot tell.
@@ -44,22 +97,42 @@ fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> 
     form::dot(d, d).sub(&reach.sqr())
 }
 
-/// The *bent* rule in f64 on two cells.
-pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
+/// q.T(s) and q.T(t) together (`together`), then the *bent* rule, in f64 on two cells.
+pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, model: &Model, bend: bool) -> Option<bool> {
     let d = difference(x, y);
     let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
+    let (ds, dt) = (form::dot(&d, &ax), form::dot(&d, &ay));
+    let mean = |c: &Cell| {
+        let mean: V3 = std::array::from_fn(|k| c.a.iter().map(|a| a[k]).sum::<f64>() / c.a.len() as f64);
+        norm(&mean)
+    };
+    let together = model.shares.and_then(|[s, t]| {
+        let constant = |k: f64| Form::from_strip(&[k], 0.0, 0);
+        ds.mul(&constant(s / mean(x))).add(&dt.mul(&constant(t / mean(y)))).one_sign()
+    });
+    if !bend || together == Some(true) {
+        return together;
+    }
     let plain = stretched(&d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
     // dC/d sigma = pace a / w^2 on a cell, up to O(h^2); the weights at the middle
-    let middle = |c: &Cell| if c.w.is_empty() { 1.0 } else { c.w[c.w.len() / 2] };
-    let pace = |c: &Cell| {
-        let mean: V3 = std::array::from_fn(|k| c.a.iter().map(|a| a[k]).sum::<f64>() / c.a.len() as f64);
-        norm(&sub(&c.p[c.p.len() - 1], &c.p[0])) * (middle(c) * middle(c)) / norm(&mean)
-    };
+    let middle = |c: &Cell| 0.5 * (c.weight(0) + c.weight(c.w.len().max(1) - 1));
+    let pace = |c: &Cell| norm(&sub(&c.p[c.p.len() - 1], &c.p[0])) * (middle(c) * middle(c)) / mean(c);
     let ratio = middle(y) / middle(x);
     let (kx, ky) = (-ratio * pace(x), pace(y) / ratio);
-    let first = Form::from_strip(&[-centre[0] * kx, (1.0 - centre[0]) * kx], 0.0, 0);
-    let second = Form::from_strip(&[-centre[1] * ky, (1.0 - centre[1]) * ky], 0.0, 0).transposed();
-    plain.add(&first.mul(&form::dot(&d, &ax))).add(&second.mul(&form::dot(&d, &ay))).positive()
+    let (own, other) = (Shape::of(x), Shape::of(y));
+    let multiplier = |c: f64, k: f64, own: &Shape| {
+        let [[from, to], second] = lines(c, own);
+        Form::from_strip(&[from * k, to * k], 0.0, 0).mul(&Form::from_strip(&second, 0.0, 0))
+    };
+    let mut first = multiplier(model.centre[0], kx, &own);
+    let mut second = multiplier(model.centre[1], ky, &other).transposed();
+    if !y.w.is_empty() {
+        first = first.mul(&Form::from_strip(&other.weights(), 0.0, 0).transposed());
+    }
+    if !x.w.is_empty() {
+        second = second.mul(&Form::from_strip(&own.weights(), 0.0, 0));
+    }
+    plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive()
 }
 
 /// D = r(s) w(t) - r(t) w(s), from differences of points so that nothing cancels.
@@ -150,4 +223,36 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
 /// The exact arc of a cell.
 pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
     frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth).forms()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(points: [V3; 3]) -> Cell {
+        let p = points.to_vec();
+        let a = points.windows(2).map(|p| sub(&p[1], &p[0])).collect();
+        let (r, w) = (p.clone(), vec![]);
+        Cell { segment: 0, depth: 0, index: 0, r, r_err: 0.0, w, w_err: 0.0, a, a_err: 0.0, p, p_err: 0.0, even: true }
+    }
+
+    /// An arc that turns back: (p - q).a is below 0 for its first hodograph vector and above 0 for its second, and
+    /// where it turns the distance to the other arc is stationary.
+    #[test]
+    fn one_side_needs_one_sign_of_all_hodograph_vectors() {
+        let back = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]]);
+        let on = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [2.0, 0.1, 0.0]]);
+        let far = cell([[10.0, -0.1, 0.0], [10.0, 0.0, 0.0], [10.0, 0.1, 0.0]]);
+        let before = cell([[-10.0, -0.1, 0.0], [-10.0, 0.0, 0.0], [-10.0, 0.1, 0.0]]);
+        for other in [&far, &before] {
+            assert!(!one_side(&back, other, &back, 1e-12));
+            assert!(!one_side(other, &back, &back, 1e-12));
+            // one vector alone, or both with one sign, would do
+            assert!(one_side(&on, other, &on, 1e-12));
+            assert!(one_side(other, &on, &on, 1e-12));
+        }
+        let first = Cell { a: vec![back.a[0]], ..cell([[0.0; 3]; 3]) };
+        let second = Cell { a: vec![back.a[1]], ..cell([[0.0; 3]; 3]) };
+        assert!(one_side(&back, &far, &first, 1e-12) && one_side(&back, &far, &second, 1e-12));
+    }
 }
