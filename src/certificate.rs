@@ -32,8 +32,8 @@ pub(crate) enum Node {
     Curved,
     Cone([i64; 3]),
     Slab([i64; 3]),
-    Side(Which),
-    Bent([i64; 2]),
+    Side([i64; 2]),
+    Bent([i64; 6]),
     Local,
     Share(i64),
 }

@@ -482,3 +482,38 @@ fn radii_beyond_f64_are_not_infinite() {
         assert!(answer.terms.end_to_end.lo.is_finite(), "{answer:?}");
     }
 }
+
+/// Whole families of critical pairs, or nearly so, and weights far apart, are proved in few cells.
+#[test]
+fn few_cells() {
+    let within = |curve: &Curve, cells: u64| {
+        let spine = Spine::from_curve(curve.clone()).expect("a spine");
+        let answer = radius(&spine, &RadiusOptions::new().max_cells(cells)).expect("an answer");
+        assert!(answer.complete && answer.delta.is_within(WIDTH), "{answer:?}");
+        answer
+    };
+    within(&file("circle_exact"), 15_000);
+    // a spiral staircase that widens: q.T(s) = 0 and q.T(t) = 0 run side by side through all turns
+    let steps: Vec<Point> = (0..120)
+        .map(|i| {
+            let (angle, r) = (0.334 * f64::from(i), 10.0 + 0.05 * f64::from(i));
+            [r * angle.cos(), r * angle.sin(), 0.9 * f64::from(i)].map(|x| q((1000.0 * x).round() as i64, 1000))
+        })
+        .collect();
+    let knots = [0; 3].into_iter().chain(0..=117).chain([117; 3]).map(int).collect();
+    within(&Curve::new(3, steps, None, Some(knots)).expect("a curve"), 40_000);
+    // a trefoil in one segment that runs through most of its length near the middle of its parameter
+    let knot = r#"{"degree": 6, "control_points": [
+            ["3071200/40972801", "-122803201/40972801", "19650560480/262266899201"],
+            ["39321601600/786554860797", "-2358927430397/786554860797", "320/6401"],
+            ["19662028000/786407420163", "-2359369742083/786407420163", "1024160/40952321"],
+            ["0", "-786505713919/262119427839", "0"],
+            ["-19662028000/786407420163", "-2359369742083/786407420163", "-1024160/40952321"],
+            ["-39321601600/786554860797", "-2358927430397/786554860797", "-320/6401"],
+            ["-3071200/40972801", "-122803201/40972801", "-19650560480/262266899201"]],
+        "weights": [
+            "262266899201", "-262184953599", "262135806721", "-262119427839",
+            "262135806721", "-262184953599", "262266899201"]}"#;
+    let answer = within(&Curve::from_json_str(knot).expect("a curve"), 5_000);
+    assert!((answer.delta.lo - 0.607_154_708_6).abs() < 1e-9, "{answer:?}");
+}

@@ -237,13 +237,18 @@ fn solve(curve: &Curve) -> Option<(Spine, Radius)> {
 /// Both sides of the enclosure, the upper one as far as sampling can tell.
 fn within(spine: &Spine, answer: &Radius, count: usize) -> Result<Sampled, String> {
     let oracle = Oracle::of(spine);
-    let sampled = oracle.sample(count);
+    let mut sampled = oracle.sample(count);
     let ordered = answer.delta.lo <= answer.delta.hi;
     if !ordered {
         return Err(format!("not an interval: {answer:?}"));
     }
     not_above(answer, &sampled)?;
     if answer.limited_by != LimitedBy::Corner {
+        if reaches(answer, &sampled, 1e-3, oracle.size()).is_err() {
+            // not a finding yet: narrow places of the curve may have been missed
+            sampled = oracle.sample(10 * count);
+            not_above(answer, &sampled)?;
+        }
         reaches(answer, &sampled, 1e-3, oracle.size())?;
     }
     Ok(sampled)

@@ -101,8 +101,11 @@ fn curve(data: &[u8]) -> Option<tubecert::Curve> {
 fuzz_target!(|data: &[u8]| {
     let Some(curve) = curve(data) else { return };
     let Ok(spine) = Spine::from_curve(curve) else { return };
-    let answer = radius(&spine, &RadiusOptions::new().max_cells(20_000)).expect("an answer");
     let text = spine.to_json();
+    if std::env::var_os("TUBECERT_SHOW").is_some() {
+        println!("{text}"); // to see the curve of a slow unit
+    }
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(20_000)).expect("an answer");
     let (lo, hi) = (answer.delta.lo, answer.delta.hi);
     assert!(lo >= 0.0 && lo <= hi, "not an enclosure: {answer:?}\n{text}");
     let sampler = oracle::Oracle::of(&spine);

@@ -101,9 +101,8 @@ impl Display for Node {
         f.write_str(self.name())?;
         match self {
             Self::Cone([x, y, z]) | Self::Slab([x, y, z]) => write!(f, " {x} {y} {z}"),
-            Self::Side(Which::First) => f.write_str(" 1"),
-            Self::Side(Which::Second) => f.write_str(" 2"),
-            Self::Bent([x, y]) => write!(f, " {x} {y}"),
+            Self::Side([x, y]) => write!(f, " {x} {y}"),
+            Self::Bent(fields) => fields.iter().try_for_each(|field| write!(f, " {field}")),
             Self::Share(k) => write!(f, " {k}"),
             _ => Ok(()),
         }
@@ -266,8 +265,7 @@ fn node(line: &str) -> Option<Node> {
         ("curved", []) => Node::Curved,
         ("cone", rest) => Node::Cone(whole(rest)?),
         ("slab", rest) => Node::Slab(whole(rest)?),
-        ("side", ["1"]) => Node::Side(Which::First),
-        ("side", ["2"]) => Node::Side(Which::Second),
+        ("side", rest) => Node::Side(whole(rest)?),
         ("bent", rest) => Node::Bent(whole(rest)?),
         ("local", []) => Node::Local,
         ("share", [k]) => Node::Share(k.parse().ok()?),

@@ -8,7 +8,6 @@ use num_traits::{One, Zero};
 
 use super::arc::{End, Piece, Products};
 use super::poly::{Poly, Tensor, Vector, cross, dot, zip};
-use crate::certificate::Which;
 use crate::number::Rational;
 
 /// Why a condition is not true.
@@ -106,50 +105,75 @@ pub(super) fn end_slab(end: &End, pieces: &[Rc<Piece>], g: &[i64; 3], r: &Square
     apart(&(p * &end.w - q * &v), &(v * &end.w), &g, r)
 }
 
-/// Adds f(s) D.a(s), where D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).
-fn add_first(sum: &mut Tensor, f: &Poly, p: &Products, b: &Piece) {
-    sum.add(&f.times(&p.ra), &b.w);
+/// Adds f(s) g(t) D.a(s), where D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).
+fn add_first(sum: &mut Tensor, [f, g]: &[Poly; 2], p: &Products, b: &Piece) {
+    sum.add(&f.times(&p.ra), &g.times(&b.w));
     let minus = f.scaled(&-BigInt::one());
-    p.wa.iter().zip(&b.r).for_each(|(wa, r)| sum.add(&minus.times(wa), r));
+    p.wa.iter().zip(&b.r).for_each(|(wa, r)| sum.add(&minus.times(wa), &g.times(r)));
 }
 
-/// Adds f(t) D.a(t), where D.a(t) = r(s).(w a)(t) - w(s) (r.a)(t).
-fn add_second(sum: &mut Tensor, f: &Poly, a: &Piece, q: &Products) {
-    sum.add(&a.w, &f.scaled(&-BigInt::one()).times(&q.ra));
-    a.r.iter().zip(&q.wa).for_each(|(r, wa)| sum.add(r, &f.times(wa)));
+/// Adds f(s) g(t) D.a(t), where D.a(t) = r(s).(w a)(t) - w(s) (r.a)(t).
+fn add_second(sum: &mut Tensor, [f, g]: &[Poly; 2], a: &Piece, q: &Products) {
+    sum.add(&f.times(&a.w), &g.scaled(&-BigInt::one()).times(&q.ra));
+    a.r.iter().zip(&q.wa).for_each(|(r, wa)| sum.add(&f.times(r), &g.times(wa)));
 }
 
-pub(super) fn side(a: &Piece, b: &Piece, of: Which) -> Result<(), Why> {
+/// v and v' of the page without common factor.
+fn first_weights(a: &Piece, b: &Piece) -> Result<[BigInt; 2], Why> {
+    let [v, w] = [a, b].map(|piece| piece.w.0.first().cloned().unwrap_or_default());
+    check(v.sign() == Sign::Plus && w.sign() == Sign::Plus, WEIGHTS)?;
+    let common = v.gcd(&w);
+    Ok([v / &common, w / common])
+}
+
+pub(super) fn side(a: &Piece, b: &Piece, fields: [i64; 2]) -> Result<(), Why> {
+    let ([x, y], [v, w]) = (fields.map(BigInt::from), first_weights(a, b)?);
     let (mut sum, one) = (Tensor::default(), Poly(vec![BigInt::one()]));
-    match of {
-        Which::First => add_first(&mut sum, &one, a.products(), b),
-        Which::Second => add_second(&mut sum, &one, a, b.products()),
-    }
+    add_first(&mut sum, &[Poly(vec![x * &w * &w]), one.clone()], a.products(), b);
+    add_second(&mut sum, &[one, Poly(vec![y * &v * &v])], a, b.products());
     check(sum.sign().is_some(), "the coefficients have no strict common sign")
 }
 
-pub(super) fn bent(a: &Piece, b: &Piece, centre: [i64; 2], r: &Squared) -> Result<(), Why> {
-    let weights = [a, b].map(|piece| piece.w.0.first().cloned().unwrap_or_default());
-    check(weights.iter().all(|w| w.sign() == Sign::Plus), WEIGHTS)?;
-    check(bent_form(a, b, weights, centre, r).sign() == Some(true), NOT_POSITIVE)
+pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> Result<(), Why> {
+    check(bent_form(a, b, fields, r)?.sign() == Some(true), NOT_POSITIVE)
 }
 
-/// The form of `bent` times 2^20, the weights in lowest terms and the denominator of r^2; `v`, `w` are v, v' of the page.
-pub(super) fn bent_form(a: &Piece, b: &Piece, [v, w]: [BigInt; 2], [x, y]: [i64; 2], r: &Squared) -> Tensor {
-    let common = v.gcd(&w);
-    let (v, w) = (v / &common, w / common);
+/// A positive multiple of the form of `bent`.
+pub(super) fn bent_form(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> Result<Tensor, Why> {
+    let ([x, y, g, h, u, v], unit) = (fields.map(BigInt::from), BigInt::one() << UNIT);
+    let twice = |x: &BigInt| x << 1_u8;
+    // 2 - u and 2 - v, times 2^20
+    let (of_a, of_b) = (twice(&unit) - &u, twice(&unit) - &v);
+    check([&of_a, &of_b].iter().all(|x| **x > unit && **x < &unit * 3), "a weight grows too fast")?;
+    let [first, second] = first_weights(a, b)?;
+    // k = top / bottom
+    let (top, bottom) = (second * of_a, first * of_b);
+    // 1 + g (x - s) + u (1/2 - s) at s = 0 and at s = 1, times 2^41
+    let line = |x: &BigInt, g: &BigInt, u: &BigInt| {
+        let [from, to] = [x.clone(), x - &unit].map(|offset| twice(&(&unit * &unit + g * offset)));
+        Poly(vec![from + u * &unit, to - u * &unit])
+    };
+    // 1 + u (s - 1/2) at both ends, times 2^21; times 2^21 alone if the weight is constant
+    let weight = |piece: &Piece, u: &BigInt| match piece.w.0.len() {
+        1 => Poly(vec![twice(&unit)]),
+        _ => Poly(vec![twice(&unit) - u, twice(&unit) + u]),
+    };
     let (p, q) = (a.products(), b.products());
-    let vw = &v * &w;
-    let (square, twice) = ((&vw * &r.den) << UNIT, -((&vw * &r.den) << (UNIT + 1)));
+    // everything times top, bottom, the denominator of r^2 and 2^82
+    let plain = (&top * &bottom) << (4 * UNIT + 2);
     let mut sum = Tensor::default();
+    let square = &plain * &r.den;
     sum.add(&p.rr.scaled(&square), &q.ww);
     sum.add(&p.ww.scaled(&square), &q.rr);
-    p.rw.iter().zip(&q.rw).for_each(|(f, g)| sum.add(&f.scaled(&twice), g));
-    sum.add(&p.ww.scaled(&-((&vw * &r.num) << (UNIT + 2))), &q.ww);
-    let (x, y, unit) = (BigInt::from(x), BigInt::from(y), BigInt::one() << UNIT);
-    add_first(&mut sum, &Poly(vec![x.clone(), x - &unit]).scaled(&(&w * &w * &r.den)), p, b);
-    add_second(&mut sum, &Poly(vec![-&y, unit - y]).scaled(&(&v * &v * &r.den)), a, q);
-    sum
+    let twice_less = -twice(&square);
+    p.rw.iter().zip(&q.rw).for_each(|(f, g)| sum.add(&f.scaled(&twice_less), g));
+    sum.add(&p.ww.scaled(&-twice(&twice(&(plain * &r.num)))), &q.ww);
+    let own = |at: Poly, line: Poly, k: &BigInt| at.times(&line).scaled(&(k * k * &r.den));
+    let of_s = own(Poly(vec![x.clone(), &x - &unit]), line(&x, &g, &u), &top);
+    let of_t = own(Poly(vec![-&y, &unit - &y]), line(&y, &h, &v), &bottom);
+    add_first(&mut sum, &[of_s, weight(b, &v)], p, b);
+    add_second(&mut sum, &[weight(a, &u), of_t], a, q);
+    Ok(sum)
 }
 
 pub(super) fn share(end: &End, piece: &Piece, k: i64, r: &Squared) -> Result<(), Why> {

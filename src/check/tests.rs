@@ -10,6 +10,9 @@ use super::poly::Poly;
 use super::rules::{self, Squared};
 use super::*;
 use crate::certificate::{EndTree, Foot, Node, SpanArc, Upper, Which};
+
+/// `bent` centred in the middle of both pieces.
+const MIDDLE: [i64; 6] = [1 << 19, 1 << 19, 0, 0, 0, 0];
 use crate::curve::Curve;
 use crate::number::parse_rational;
 
@@ -95,10 +98,10 @@ impl Maker {
         let cone = self.spine.touch(a, b) && rules::cone(x, &g).is_ok() && rules::cone(y, &g).is_ok();
         let mut tried = vec![(Node::Cone(g), cone), (Node::Slab(far), rules::slab(x, y, &far, &self.r).is_ok())];
         if let (Arc::Piece(a), Arc::Piece(b)) = (a, b) {
-            for of in [Which::First, Which::Second] {
+            for of in [[1, 0], [0, 1], [1, 1], [1, -1]] {
                 tried.push((Node::Side(of), rules::side(a, b, of).is_ok()));
             }
-            tried.push((Node::Bent([1 << 19; 2]), rules::bent(a, b, [1 << 19; 2], &self.r).is_ok()));
+            tried.push((Node::Bent(MIDDLE), rules::bent(a, b, MIDDLE, &self.r).is_ok()));
         }
         if !self.tries(tried) {
             let size = |arc: &Arc| {
@@ -352,8 +355,8 @@ fn leaf_times() {
             let fine = (0..1000).filter(|_| run()).count();
             println!("{name} {what}: {:?} a leaf, {}", start.elapsed() / 1000, fine > 0);
         };
-        time("bent", &mut || rules::bent(a, b, [1 << 19; 2], &r).is_ok());
-        time("side", &mut || rules::side(a, b, Which::First).is_ok());
+        time("bent", &mut || rules::bent(a, b, MIDDLE, &r).is_ok());
+        time("side", &mut || rules::side(a, b, [1, 0]).is_ok());
         time("share", &mut || rules::share(&e, b, 1 << 19, &r).is_ok());
         time("curved", &mut || rules::curved(a, &r).is_ok());
         time("cone", &mut || rules::cone(std::slice::from_ref(a), &[1, 2, 3]).is_ok());
@@ -362,7 +365,7 @@ fn leaf_times() {
             let half = Piece::new(a.from.clone(), a.to.clone(), a.r.clone(), a.w.clone());
             let halves = spine.halves(&Arc::Piece(half)).unwrap();
             let [Arc::Piece(first), _] = &halves else { panic!() };
-            rules::bent(first, b, [1 << 19; 2], &r).is_ok()
+            rules::bent(first, b, MIDDLE, &r).is_ok()
         });
     }
 }
@@ -423,7 +426,10 @@ proptest! {
 
     /// The forms of the rules against their definitions, on a rational and an integral arc.
     #[test]
-    fn forms(s in 0_i64..6, t in 0_i64..6, x in -9_i64..9, y in -9_i64..9, k in 0_i64..(1 << 20), rational in any::<bool>()) {
+    fn forms(
+        s in 0_i64..6, t in 0_i64..6, fields in prop::array::uniform6(-999_999_i64..999_999), k in 0_i64..(1 << 20),
+        rational in any::<bool>(),
+    ) {
         let name = if rational { "m98_5_3" } else { "m98_5_2" };
         let spine = Spine::of(&file(name)).unwrap();
         let [Arc::Piece(a), Arc::Piece(rest)] = spine.halves(&spine.whole()).unwrap() else { panic!() };
@@ -443,16 +449,26 @@ proptest! {
         let [first, second] = weights.each_ref().map(|w| Rational::from_integer(w.clone()));
         let unit = Rational::from_integer(BigInt::one() << 20);
         let ratio = |x: i64| Rational::from_integer(x.into()) / &unit;
+        let [x, y, g, h, u, v2] = fields.map(ratio);
+        let (one, half) = (Rational::one(), q("1/2"));
+        let two = &one + &one;
+        let quotient = &second * (&two - &u) / (&first * (&two - &v2));
+        let lines = |x: &Rational, s: &Rational, g: &Rational, u: &Rational| {
+            (x - s) * (&one + g * (x - s) + u * (&half - s))
+        };
+        // a constant weight has no line
+        let weight = |s: &Rational, u: &Rational| if rational { &one + u * (s - &half) } else { one.clone() };
         let form = dotted(&d, &d) - Rational::from_integer(4.into()) * &radius * &radius * &v * &v * &w * &w
-            + &second / &first * (ratio(x) - &s) * of_s
-            + &first / &second * (&t - ratio(y)) * of_t;
-        let rows = rules::bent_form(&a, &b, weights.clone(), [x, y], &r).rows();
+            + &quotient * lines(&x, &s, &g, &u) * weight(&t, &v2) * of_s
+            - lines(&y, &t, &h, &v2) / &quotient * weight(&s, &u) * of_t;
+        let rows = rules::bent_form(&a, &b, fields, &r).unwrap().rows();
         let columns: Vec<Rational> = rows.iter().map(|row| value(row, &t)).collect();
         let found = horner(&columns, &s);
         let common = num_integer::gcd(weights[0].clone(), weights[1].clone());
-        let factor = &unit * Rational::from_integer(&r.den * &weights[0] * &weights[1] / (&common * &common));
+        let product = &first * &second / Rational::from_integer(&common * &common);
+        let factor = Rational::from_integer(&r.den << 122) * product * (&two - &u) * (&two - &v2);
         prop_assert_eq!(found, form * factor);
-        let degree = if rational { (13, 13) } else { (7, 7) };
+        let degree = if rational { (14, 14) } else { (8, 8) };
         prop_assert_eq!((rows.len(), rows[0].0.len()), degree);
 
         let e = spine.spans[0].first();

@@ -77,8 +77,8 @@ impl Walk<'_> {
                 }
                 (Node::Cone(_), _) => Err("the arcs do not touch"),
                 (Node::Slab(g), Pair::Two(a, b)) => slab(spine.pieces(a), spine.pieces(b), g, r),
-                (Node::Side(of), Pair::Two(a, b)) => side(one(a)?, one(b)?, *of),
-                (Node::Bent(centre), Pair::Two(a, b)) => bent(one(a)?, one(b)?, *centre, r),
+                (Node::Side(fields), Pair::Two(a, b)) => side(one(a)?, one(b)?, *fields),
+                (Node::Bent(fields), Pair::Two(a, b)) => bent(one(a)?, one(b)?, *fields, r),
                 _ => Err(MISPLACED),
             }?;
             Ok(vec![])

@@ -6,6 +6,7 @@
 //! - *cone*: one arc, or two touching ones, with all tangents within 45 degrees of one vector (Lemma L);
 //! - *tilt*: q.T(s), or q.T(t), has one strict sign;
 //! - *slab*: for one vector u, q.u > 2r |u|;
+//! - *together*: a fixed combination of q.T(s) and q.T(t) has one strict sign;
 //! - *bent*: |q|^2 > 4 r^2 after adding multiples of q.T(s) and q.T(t), which vanish at a doubly critical pair. With
 //!   multipliers that cancel the Hessian the bound is off by the third power of the cell, so that whole families of
 //!   critical pairs (circles, parallel strands) close at moderate depth.
@@ -13,8 +14,8 @@
 use super::curvature::golden;
 use super::frame::Frame;
 use super::meter::Meter;
-use super::newton::{Candidate, newton_step, partner};
-use super::rules::{across, bent, bulge, decide, exact_arc, hulls_apart, one_side, tilted};
+use super::newton::{Candidate, Step, newton_step, partner};
+use super::rules::{Gap, Model, across, bulge, decide, exact_arc, hulls_apart, in_units, one_side, sides, tilted};
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::integer::ldexp;
@@ -26,6 +27,9 @@ pub(crate) const FLOOR: f64 = 1e-13;
 
 /// The largest radius that is searched. Far above the unit box: with negative weights a spine may leave it.
 const BEYOND: f64 = 1e150;
+
+/// How much cells that are not straight bend q.T(s) and q.T(t), numerically, against their bulges.
+const CURVED: f64 = 4.0;
 
 #[derive(Debug)]
 pub(crate) struct Outcome {
@@ -75,14 +79,6 @@ struct Search<'t, 'f> {
     candidate: Option<Candidate>,
 }
 
-/// Where the quadratic model of |q|^2 in the middle of two cells sees the nearest critical pair.
-struct Model {
-    /// Its parameters, relative to the cells: there the *bent* rule is centred.
-    centre: [f64; 2],
-    /// |q|^2 there.
-    predicted_sq: f64,
-}
-
 type Parts = [Option<(Id, Id)>; 3];
 
 impl Search<'_, '_> {
@@ -126,9 +122,11 @@ impl Search<'_, '_> {
                 let model = self.refine(i, j);
                 let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return None };
                 // the bent rule is off by about this: not before that is below what it has to spare
-                let off = spread * (bulge(x) + bulge(y));
+                let curved = bulge(x) + bulge(y);
+                let off = curved * if model.flat { 2.0 * curved } else { spread };
                 let spare = model.predicted_sq - 4.0 * self.radius * self.radius;
-                if off < spare.max(1e-2 * self.margin * model.predicted_sq) && self.closed_by_forms(x, y, &model) {
+                let bend = off < spare.max(1e-2 * self.margin * model.predicted_sq);
+                if (bend || model.shares.is_some()) && self.closed_by_forms(x, y, &model, bend) {
                     return None;
                 }
             }
@@ -174,17 +172,17 @@ impl Search<'_, '_> {
             (c.segment, c.index as f64 * h, h)
         };
         let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
-            return Model { centre: [0.5; 2], predicted_sq: 0.0 };
+            return Model::UNKNOWN;
         };
         let ((cs, s0, hs), (ct, t0, ht)) = (unit(x), unit(y));
         let (mut s, mut t) = (s0 + 0.5 * hs, t0 + 0.5 * ht);
-        let mut model = Model { centre: [0.5; 2], predicted_sq: 0.0 };
+        let mut model = Model::UNKNOWN;
+        let curved = bulge(x) + bulge(y);
         for round in 0..12 {
             let step = newton_step(&self.tree.evaluate(cs, s), &self.tree.evaluate(ct, t));
             let Some(step) = step else { break };
             if round == 0 {
-                model.centre = [0.5 + step.ds / hs, 0.5 + step.dt / ht].map(|x| x.clamp(-1.0, 2.0));
-                model.predicted_sq = step.predicted_sq;
+                model = Model::of(&step, [hs, ht], curved);
                 let known = self.candidate.map_or(f64::INFINITY, |c| c.radius * (1.0 - self.margin));
                 let wanted = 2.0 * (self.radius * (1.0 + 4.0 * self.margin)).min(known);
                 let promising = step.predicted_sq < wanted * wanted;
@@ -206,7 +204,9 @@ impl Search<'_, '_> {
             let contact = settled && parameter_gap(self.tree.frame, (cs, s), (ct, t)) > 0.5 * hs.max(ht);
             if contact || (still.residual < 1e-9 && still.length > 1e-13) {
                 let mut pair = Candidate { s: (cs, s), t: (ct, t), radius: 0.5 * still.length };
-                if still.flat {
+                // only one that is closer than what is known: along circles all are alike
+                let closer = |c: Candidate| pair.radius < c.radius * (1.0 - 0.1 * self.margin);
+                if still.flat && self.candidate.is_none_or(closer) {
                     pair = self.slid(&pair, 0.02 + 4.0 * hs);
                 }
                 if pair.radius < POLISHED {
@@ -247,16 +247,19 @@ impl Search<'_, '_> {
     }
 
     /// Tilt and bent on Bernstein forms of two variables: f64, and exact where f64 cannot tell.
-    fn closed_by_forms(&self, x: &Cell, y: &Cell, model: &Model) -> bool {
-        if bent(x, y, self.radius, model.centre) == Some(true) {
+    fn closed_by_forms(&self, x: &Cell, y: &Cell, model: &Model, bend: bool) -> bool {
+        let gap = Gap::of(x, y);
+        if model.shares.is_some_and(|shares| gap.together(sides(x, y, shares)) == Some(true))
+            || (bend && gap.bent(self.radius, model.centre) == Some(true))
+        {
             return true;
         }
         // f64 is at its end where its radius is no longer small against the slack that is asked for
-        if x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
+        if !bend || x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return false;
         }
         let exact = |c: &Cell| exact_arc(self.tree.frame, c);
-        decide(&exact(x), &exact(y), self.radius, model.centre)
+        decide([x, y], [&exact(x), &exact(y)], self.radius, model.centre).is_some()
     }
 }
 
@@ -264,4 +267,40 @@ impl Search<'_, '_> {
 fn parameter_gap(frame: &Frame, s: (usize, f64), t: (usize, f64)) -> f64 {
     let gap = (s.0 as f64 - t.0 as f64 + s.1 - t.1).abs();
     if frame.closed { gap.min(frame.segments.len() as f64 - gap) } else { gap }
+}
+
+impl Model {
+    const UNKNOWN: Self = Self { centre: [0.5; 2], predicted_sq: 0.0, flat: false, shares: None };
+
+    /// The model of cells of these widths in the parameter, `curved` as far from straight in all.
+    pub(crate) fn of(step: &Step, [hs, ht]: [f64; 2], curved: f64) -> Self {
+        let whole = [step.ds, step.dt, step.predicted_sq];
+        let near = step.ds.abs() < 1.5 * hs && step.dt.abs() < 1.5 * ht;
+        let [ds, dt, predicted_sq] = if near { whole } else { step.across.unwrap_or(whole) };
+        let centre = [0.5 + ds / hs, 0.5 + dt / ht].map(|x| in_units(x.clamp(-1.0, 2.0)));
+        Self { centre, predicted_sq, flat: step.flat, shares: shares(step, [hs, ht], curved) }
+    }
+}
+
+/// The row of the inverse Hessian (up to a factor) that turns q.T(s) and q.T(t) into the distance from the critical
+/// pair along one parameter, if that pair is outside the cells as far as can be seen. `curved`: how far the cells are
+/// from straight.
+fn shares(step: &Step, h: [f64; 2], curved: f64) -> Option<[f64; 2]> {
+    let [a, b, c] = step.hessian;
+    let det = (a * c - b * b).abs();
+    // where the curves q.T(s) = 0 and q.T(t) = 0 cross at a fair angle, tilt alone will soon do for less
+    if det > 0.1 * (a * a + c * c) {
+        return None;
+    }
+    let rows = [[c, -b], [-b, a]];
+    let outside = |k: usize| {
+        let [s, t] = rows[k];
+        let value = (s * step.gradient[0] + t * step.gradient[1]).abs();
+        value - det * 0.5 * h[k] * step.speed[k] - CURVED * curved * s.abs().max(t.abs())
+    };
+    let best = if outside(0) * h[1] * step.speed[1] > outside(1) * h[0] * step.speed[0] { 0 } else { 1 };
+    let [s, t] = rows[best];
+    let size = s.abs().max(t.abs());
+    // half the gradient is (q.T(s), -q.T(t))
+    (outside(best) > 0.0).then(|| [s / size, -t / size])
 }

@@ -11,10 +11,10 @@
 use super::body::FLOOR;
 use super::curvature::golden;
 use super::dyadic::{Dyadic, ratio};
-use super::evidence::{self, Fault, balls_apart, direction, exact_points, planted};
+use super::evidence::{Fault, balls_apart, direction, exact_points, planted};
 use super::frame::{At, Frame};
 use super::meter::Meter;
-use super::rules::first_true;
+use super::rules::{UNITS, first_true, in_units};
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
@@ -246,12 +246,11 @@ impl<'t, 'f> Search<'t, 'f> {
             return Some(Node::Slab(u));
         }
         let h = ldexp(1.0, -i64::from(cell.depth));
-        let k = (self.share(cell.segment, cell.index as f64 * h, h) * evidence::UNIT).round();
-        let share = k / evidence::UNIT;
+        let share = in_units(self.share(cell.segment, cell.index as f64 * h, h));
         let closed = against(cell, &self.end).apart(self.radius, share);
         let closed = closed
             .unwrap_or_else(|| exact_against(self.tree.frame, cell, &self.end).apart(self.radius, share) == Some(true));
-        (closed || planted(Fault::ShareUnproved)).then_some(Node::Share(k as i64))
+        (closed || planted(Fault::ShareUnproved)).then_some(Node::Share((share * UNITS) as i64))
     }
 
     fn gap(&self, id: Id) -> f64 {

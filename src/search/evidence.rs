@@ -5,11 +5,13 @@
 
 use super::curvature::Strips;
 use super::ends::{Of, Search};
-use super::frame::{Frame, weight_ratio};
+use super::frame::Frame;
 use super::newton::newton_step;
-use super::rules::{across, bent_as_written, bulge, exact_arc, hulls_apart, hulls_apart_exactly, one_side, tilted};
+use super::rules::{
+    Closed, Gap, Model, Shape, UNITS, across, bulge, decide, exact_arc, hulls_apart, hulls_apart_exactly, one_side,
+    sides, tilted,
+};
 use super::tree::{Cell, Cone, Id, ROUNDING, Tree, V3, norm, sub};
-use crate::bernstein::{Form, Vec3, dot};
 use crate::certificate::{EndTree, Node, Which};
 use crate::integer::{Int, decompose, ldexp};
 use crate::spine::Bezier;
@@ -18,8 +20,6 @@ use crate::spine::Bezier;
 const MAX_NODES: usize = 20_000_000;
 /// How many halvings of a span the checker allows.
 const MAX_DEPTH: u32 = 500;
-/// The unit of centres and shares in nodes, 2^-20.
-pub(super) const UNIT: f64 = 1_048_576.0;
 
 /// Ways in which a search can be wrong, planted by tests: every one must be rejected by the checker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,20 +143,20 @@ impl Pairs<'_, '_> {
         }
         let (Some(x), Some(y)) = (&a.cell, &b.cell) else { return None };
         if tilted(&q0, length, spread, a) || planted(Fault::SignFlipped) {
-            return Some(Node::Side(Which::First));
+            return Some(Node::Side([1, 0]));
         }
         if tilted(&q0, length, spread, b) {
-            return Some(Node::Side(Which::Second));
+            return Some(Node::Side([0, 1]));
         }
         if x.p.is_empty() || y.p.is_empty() {
             return None;
         }
         let e = 2.0 * (x.p_err + y.p_err);
         if one_side(x, y, x, e) {
-            return Some(Node::Side(Which::First));
+            return Some(Node::Side([1, 0]));
         }
         if one_side(x, y, y, e) {
-            return Some(Node::Side(Which::Second));
+            return Some(Node::Side([0, 1]));
         }
         let points = |c: &Cell| exact_points(&self.tree.frame.segments[c.segment].cell(&c.exact_index(), c.depth));
         for u in [q0, across(&q0, &a.cone, &b.cone)] {
@@ -169,45 +169,42 @@ impl Pairs<'_, '_> {
             return None;
         }
         let model = model(self.tree, x, y)?;
-        let off = spread * (bulge(x) + bulge(y));
+        let curved = bulge(x) + bulge(y);
+        let off = curved * if model.flat { 2.0 * curved } else { spread };
         let spare = model.predicted_sq - 4.0 * self.r * self.r;
-        if off >= spare.max(1e-2 * self.margin * model.predicted_sq) {
+        let bend = off < spare.max(1e-2 * self.margin * model.predicted_sq);
+        if !bend && model.shares.is_none() {
             return None;
         }
-        let centre = model.centre.map(|c| (c * UNIT).round());
-        let written = Node::Bent(centre.map(|c| c as i64));
-        let centre = centre.map(|c| c / UNIT);
-        match bent_as_written(x, y, self.r, centre) {
+        let gap = Gap::of(x, y);
+        if let Some(fields) = model.shares.map(|shares| sides(x, y, shares))
+            && gap.together(fields) == Some(true)
+        {
+            return Some(Node::Side(fields.map(|k| k as i64)));
+        }
+        if !bend {
+            return None;
+        }
+        let shapes = [Shape::of(x), Shape::of(y)];
+        let growths = shapes.each_ref().map(|shape| shape.pace).into_iter().chain(shapes.each_ref().map(|s| s.weight));
+        let mut fields = model.centre.into_iter().chain(growths).map(|x| (x * UNITS) as i64);
+        let written = Node::Bent(std::array::from_fn(|_| fields.next().unwrap_or(0)));
+        match gap.bent(self.r, model.centre) {
             Some(true) => return Some(written),
             Some(false) => return None,
             None => {}
         }
-        let fine = 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt();
-        if x.p_err + y.p_err < fine {
+        if x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return None;
         }
-        self.exactly(x, y, centre, written)
-    }
-
-    /// The rules on forms, in integers.
-    fn exactly(&self, x: &Cell, y: &Cell, centre: [f64; 2], written: Node) -> Option<Node> {
-        let (x, y) = (exact_arc(self.tree.frame, x), exact_arc(self.tree.frame, y));
-        let (ry, wy, ay) =
-            (y.r.clone().map(Form::transposed), y.w.clone().transposed(), y.a.clone().map(Form::transposed));
-        let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&wy).sub(&ry[k].mul(&x.w)));
-        let (ds, dt) = (dot(&d, &x.a), dot(&d, &ay));
-        if ds.one_sign() == Some(true) {
-            return Some(Node::Side(Which::First));
+        let exact = |c: &Cell| exact_arc(self.tree.frame, c);
+        match decide([x, y], [&exact(x), &exact(y)], self.r, model.centre)? {
+            Closed::TiltFirst => Some(Node::Side([1, 0])),
+            Closed::TiltSecond => Some(Node::Side([0, 1])),
+            Closed::Bent => Some(written),
+            // by halving: the format has no rule for it
+            Closed::Far => None,
         }
-        if dt.one_sign() == Some(true) {
-            return Some(Node::Side(Which::Second));
-        }
-        let (ratio, exp) = weight_ratio(&y.w, &x.w);
-        let first = Form::<Int>::line(centre[0] * ratio, (centre[0] - 1.0) * ratio, exp);
-        let second = Form::<Int>::line(-centre[1] / ratio, (1.0 - centre[1]) / ratio, -exp).transposed();
-        let reach = x.w.mul(&wy).scale(2.0 * self.r).sqr();
-        let bent = dot(&d, &d).sub(&reach).add(&first.mul(&ds)).add(&second.mul(&dt));
-        (bent.positive() == Some(true)).then_some(written)
     }
 }
 
@@ -241,13 +238,7 @@ pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
     Some(EndTree { axis, nodes })
 }
 
-/// Where the quadratic model of |q|^2 in the middle of two cells has its critical pair, relative to the cells, and its
-/// value there.
-struct Model {
-    centre: [f64; 2],
-    predicted_sq: f64,
-}
-
+/// The model that the search has of two cells.
 fn model(tree: &Tree, x: &Cell, y: &Cell) -> Option<Model> {
     let middle = |c: &Cell| {
         let h = ldexp(1.0, -i64::from(c.depth));
@@ -255,8 +246,7 @@ fn model(tree: &Tree, x: &Cell, y: &Cell) -> Option<Model> {
     };
     let ((i, s, hs), (j, t, ht)) = (middle(x), middle(y));
     let step = newton_step(&tree.evaluate(i, s), &tree.evaluate(j, t))?;
-    let centre = [0.5 + step.ds / hs, 0.5 + step.dt / ht].map(|x| x.clamp(-1.0, 2.0));
-    Some(Model { centre, predicted_sq: step.predicted_sq })
+    Some(Model::of(&step, [hs, ht], bulge(x) + bulge(y)))
 }
 
 fn unit(v: &V3) -> V3 {

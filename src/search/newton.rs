@@ -16,11 +16,17 @@ pub(crate) struct Step {
     pub(crate) dt: f64,
     /// |q|^2 at the critical pair, by the quadratic model.
     pub(crate) predicted_sq: f64,
+    /// The step without its part along a valley, if |q|^2 is all but constant in some direction: ds, dt, |q|^2 there.
+    pub(crate) across: Option<[f64; 3]>,
     pub(crate) length: f64,
     /// The larger of |cos(q, T(s))| and |cos(q, T(t))|.
     pub(crate) residual: f64,
     /// Is the Hessian nearly singular?
     pub(crate) flat: bool,
+    /// Half the gradient of |q|^2 and half its Hessian (ss, st, tt), in arc length; the speeds.
+    pub(crate) gradient: [f64; 2],
+    pub(crate) hessian: [f64; 3],
+    pub(crate) speed: [f64; 2],
 }
 
 /// Newton's step for grad |q|^2 = 0 in arc length, the shortest one where the Hessian is singular.
@@ -44,15 +50,24 @@ pub(crate) fn newton_step(at_s: &[V3; 3], at_t: &[V3; 3]) -> Option<Step> {
     let small = 1e-7 * l1.abs().max(l2.abs());
     let along = |l: f64, g: f64| if l.abs() > small { -g / l } else { 0.0 };
     let (u, v) = (along(l1, cos * gs + sin * gt), along(l2, -sin * gs + cos * gt));
-    let (ds, dt) = (cos * u - sin * v, sin * u + cos * v);
     let length = norm(&q);
+    let moved = |u: f64, v: f64| {
+        let (ds, dt) = (cos * u - sin * v, sin * u + cos * v);
+        [ds / vs, dt / vt, length * length + gs * ds + gt * dt]
+    };
+    let [ds, dt, predicted_sq] = moved(u, v);
+    let flat = l1.abs().min(l2.abs()) < 1e-3 * l1.abs().max(l2.abs());
     let step = Step {
-        flat: l1.abs().min(l2.abs()) < 1e-3 * l1.abs().max(l2.abs()),
-        ds: ds / vs,
-        dt: dt / vt,
-        predicted_sq: length * length + gs * ds + gt * dt,
+        flat,
+        ds,
+        dt,
+        predicted_sq,
+        across: flat.then(|| if l1.abs() < l2.abs() { moved(0.0, v) } else { moved(u, 0.0) }),
         length,
         residual: if length > 0.0 { gs.abs().max(gt.abs()) / length } else { 0.0 },
+        gradient: [gs, gt],
+        hessian: [a, b, c],
+        speed: [vs, vt],
     };
     (step.ds.is_finite() && step.dt.is_finite()).then_some(step)
 }

@@ -7,23 +7,117 @@ use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_er
 use crate::enclosure::Interval;
 use crate::integer::Int;
 
+/// Certificates hold multipliers in units of 2^-20: few bits, for exact arithmetic.
+pub(crate) const UNITS: f64 = 1_048_576.0;
+
+/// To the nearest unit, for multipliers.
+pub(crate) fn in_units(x: f64) -> f64 {
+    (x * UNITS).round() / UNITS
+}
+
+/// What the quadratic model of |q|^2 in the middle of two cells sees; it only steers the rules.
+pub(crate) struct Model {
+    /// The nearest critical pair, relative to the cells and in units: there the *bent* rule is centred.
+    pub(crate) centre: [f64; 2],
+    /// |q|^2 there.
+    pub(crate) predicted_sq: f64,
+    /// Is |q|^2 all but constant in some direction?
+    pub(crate) flat: bool,
+    /// Shares of q.T(s) and q.T(t) that may have one sign together where neither has alone.
+    pub(crate) shares: Option<[f64; 2]>,
+}
+
+/// The *bent* rule multiplies D.a by a product of lines (given by the values at both ends), so that q.C' comes to be
+/// multiplied by the arc length from the centre up to third order; `shape` is that of the cell.
+fn lines(centre: f64, shape: &Shape) -> [[f64; 2]; 2] {
+    let (a, b) = (1.0 + shape.pace * centre + 0.5 * shape.weight, shape.pace + shape.weight);
+    [[-centre, 1.0 - centre], [a, a - b]]
+}
+
+/// By which share half the speed, and the weight, grow along a cell, numerically, in units.
+pub(crate) struct Shape {
+    pub(crate) pace: f64,
+    pub(crate) weight: f64,
+}
+
+impl Shape {
+    pub(crate) fn of(c: &Cell) -> Self {
+        let growth = |from: f64, to: f64| {
+            let share = in_units((to - from) / (to + from));
+            if share.is_nan() { 0.0 } else { share.clamp(-0.25, 0.25) }
+        };
+        let (w0, w1) = (c.weight(0), c.weight(c.w.len().max(1) - 1));
+        let pace = growth(norm(&c.a[0]) / (w0 * w0), norm(&c.a[c.a.len() - 1]) / (w1 * w1));
+        Self { pace, weight: 2.0 * growth(w0, w1) }
+    }
+
+    /// The weight along the cell, 1 in the middle.
+    fn weights(&self) -> [f64; 2] {
+        [1.0 - 0.5 * self.weight, 1.0 + 0.5 * self.weight]
+    }
+}
+
+/// A rule that closes a pair of exact arcs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Closed {
+    TiltFirst,
+    TiltSecond,
+    Bent,
+    Far,
+}
+
 /// The same rules from exact arcs: intervals first, then integers.
-pub(crate) fn decide(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> bool {
-    fn run<T: Scalar>(x: &ExactForms, y: &ExactForms, radius: f64, centre: [f64; 2]) -> Option<bool> {
+pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, centre: [f64; 2]) -> Option<Closed> {
+    /// The rule that holds, or whether surely none does.
+    fn run<T: Scalar>(
+        [x, y]: [&ExactForms; 2],
+        shapes: &[Shape; 2],
+        radius: f64,
+        centre: [f64; 2],
+    ) -> Result<Closed, bool> {
         // w(t) / w(s): here a = r'w - r w' in the scale of r and w
         let (ratio, exp) = weight_ratio(&y.w, &x.w);
-        let first = Form::<T>::line(centre[0] * ratio, (centre[0] - 1.0) * ratio, exp);
-        let second = Form::<T>::line(-centre[1] / ratio, (1.0 - centre[1]) / ratio, -exp).transposed();
+        let middle = |shape: &Shape| 1.0 - 0.5 * shape.weight;
+        let ratio = ratio * middle(&shapes[0]) / middle(&shapes[1]);
+        let line = |[from, to]: [f64; 2], k: f64, exp: i64| Form::<T>::line(from * k, to * k, exp);
+        let multiplier = |k: usize, ratio: f64, exp: i64| {
+            let [first, second] = lines(centre[k], &shapes[k]);
+            let own = line(first, ratio, exp).mul(&line(second, 1.0, 0));
+            let own = if k == 0 { own } else { own.transposed() };
+            if [x, y][1 - k].w.ds == 0 {
+                return own;
+            }
+            let other = line(shapes[1 - k].weights(), 1.0, 0);
+            own.mul(&if k == 0 { other.transposed() } else { other })
+        };
+        let (first, second) = (multiplier(0, -ratio, exp), multiplier(1, 1.0 / ratio, -exp));
         let (x, mut y) = (x.cast::<T>(), y.cast::<T>());
         y = ArcForms { r: y.r.map(Form::transposed), w: y.w.transposed(), a: y.a.map(Form::transposed) };
         let d: Vec3<T> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
         let (ds, dt) = (form::dot(&d, &x.a), form::dot(&d, &y.a));
         let plain = stretched(&d, &x.w.mul(&y.w), radius);
-        first_true([&|| ds.one_sign(), &|| dt.one_sign(), &|| plain.positive(), &|| {
-            plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive()
-        }])
+        let bent = || plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive();
+        let rules: [(Closed, &dyn Fn() -> Option<bool>); 4] = [
+            (Closed::TiltFirst, &|| ds.one_sign()),
+            (Closed::TiltSecond, &|| dt.one_sign()),
+            (Closed::Bent, &bent),
+            (Closed::Far, &|| plain.positive()),
+        ];
+        let mut sure = true;
+        for (closed, rule) in rules {
+            match rule() {
+                Some(true) => return Ok(closed),
+                Some(false) => {}
+                None => sure = false,
+            }
+        }
+        Err(sure)
     }
-    run::<Interval>(x, y, radius, centre).unwrap_or_else(|| run::<Int>(x, y, radius, centre) == Some(true))
+    let shapes = cells.map(Shape::of);
+    match run::<Interval>(exact, &shapes, radius, centre) {
+        Err(false) => run::<Int>(exact, &shapes, radius, centre).ok(),
+        decided => decided.ok(),
+    }
 }
 
 /// `Some(true)` if a rule says so; `Some(false)` if all surely fail; `None` if the arithmetic cannot tell.
@@ -45,36 +139,100 @@ fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> 
     form::dot(d, d).sub(&reach.sqr())
 }
 
-/// The *bent* rule in f64 on two cells.
-pub(crate) fn bent(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
-    // dC/d sigma = pace a / w^2 on a cell, up to O(h^2); the weights at the middle
-    let middle = |c: &Cell| if c.w.is_empty() { 1.0 } else { c.w[c.w.len() / 2] };
-    let pace = |c: &Cell| {
+/// D, D.a(s) and D.a(t) on two cells, in f64.
+pub(crate) struct Gap<'c> {
+    x: &'c Cell,
+    y: &'c Cell,
+    d: Vec3<f64>,
+    ds: Form<f64>,
+    dt: Form<f64>,
+}
+
+impl<'c> Gap<'c> {
+    pub(crate) fn of(x: &'c Cell, y: &'c Cell) -> Self {
+        let d = difference(x, y);
+        let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
+        let (ds, dt) = (form::dot(&d, &ax), form::dot(&d, &ay));
+        Self { x, y, d, ds, dt }
+    }
+
+    /// The rule *together*: k D.a(s) + l D.a(t) has one sign.
+    pub(crate) fn together(&self, sides: [f64; 2]) -> Option<bool> {
+        let (v, w) = (self.x.weight(0), self.y.weight(0));
+        let [k, l] = [sides[0] * w * w * pace(self.x), sides[1] * v * v * pace(self.y)];
+        let constant = |k: f64| Form::from_strip(&[k], 0.0, 0);
+        self.ds.mul(&constant(k)).add(&self.dt.mul(&constant(l))).one_sign()
+    }
+
+    /// The rule *bent*.
+    pub(crate) fn bent(&self, radius: f64, centre: [f64; 2]) -> Option<bool> {
+        let (x, y) = (self.x, self.y);
+        let plain = stretched(&self.d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
+        let (own, other) = (Shape::of(x), Shape::of(y));
+        // the quotient of the weights in the middle
+        let ratio = y.weight(0) * (2.0 - own.weight) / (x.weight(0) * (2.0 - other.weight));
+        let multiplier = |c: f64, k: f64, own: &Shape| {
+            let [[from, to], second] = lines(c, own);
+            Form::from_strip(&[from * k, to * k], 0.0, 0).mul(&Form::from_strip(&second, 0.0, 0))
+        };
+        let mut first = multiplier(centre[0], -ratio * pace(x), &own);
+        let mut second = multiplier(centre[1], pace(y) / ratio, &other).transposed();
+        if !y.w.is_empty() {
+            first = first.mul(&Form::from_strip(&other.weights(), 0.0, 0).transposed());
+        }
+        if !x.w.is_empty() {
+            second = second.mul(&Form::from_strip(&own.weights(), 0.0, 0));
+        }
+        plain.add(&first.mul(&self.ds)).add(&second.mul(&self.dt)).positive()
+    }
+}
+
+/// r'w - r w' of the cell is `pace` times the hodograph held.
+fn pace(c: &Cell) -> f64 {
+    let n = c.p.len() - 1;
+    if c.w.is_empty() {
         let mean: V3 = std::array::from_fn(|k| c.a.iter().map(|a| a[k]).sum::<f64>() / c.a.len() as f64);
-        norm(&sub(&c.p[c.p.len() - 1], &c.p[0])) * (middle(c) * middle(c)) / norm(&mean)
-    };
-    bent_by(x, y, radius, centre, middle(y) / middle(x), [pace(x), pace(y)])
+        return norm(&sub(&c.p[n], &c.p[0])) / norm(&mean);
+    }
+    n as f64 * c.w[0] * c.w[1] * norm(&sub(&c.p[1], &c.p[0])) / norm(&c.a[0])
 }
 
-/// The same with the multipliers of docs/certificate-format.md: the quotient of the first weights, and hodographs that
-/// are those of the cells' r and w.
-pub(crate) fn bent_as_written(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2]) -> Option<bool> {
-    let pace = |c: &Cell| {
-        let (p, q) = (&c.r[0], &c.r[1]);
-        let first: V3 = std::array::from_fn(|k| q[k] * c.weight(0) - p[k] * c.weight(1));
-        (c.r.len() - 1) as f64 * norm(&first) / norm(&c.a[0])
-    };
-    bent_by(x, y, radius, centre, y.weight(0) / x.weight(0), [pace(x), pace(y)])
+/// Shares of q.T(s) and q.T(t) as the multipliers of *together*: whole numbers of 20 bits.
+pub(crate) fn sides(x: &Cell, y: &Cell, shares: [f64; 2]) -> [f64; 2] {
+    let chord = |c: &Cell| norm(&sub(&c.p[c.p.len() - 1], &c.p[0]));
+    let sides = [shares[0] / chord(x), shares[1] / chord(y)];
+    let largest = sides[0].abs().max(sides[1].abs());
+    sides.map(|side| (side / largest * UNITS).round())
 }
 
-fn bent_by(x: &Cell, y: &Cell, radius: f64, centre: [f64; 2], ratio: f64, pace: [f64; 2]) -> Option<bool> {
-    let d = difference(x, y);
-    let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
-    let plain = stretched(&d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
-    let (kx, ky) = (-ratio * pace[0], pace[1] / ratio);
-    let first = Form::from_strip(&[-centre[0] * kx, (1.0 - centre[0]) * kx], 0.0, 0);
-    let second = Form::from_strip(&[-centre[1] * ky, (1.0 - centre[1]) * ky], 0.0, 0).transposed();
-    plain.add(&first.mul(&form::dot(&d, &ax))).add(&second.mul(&form::dot(&d, &ay))).positive()
+/// Is u.(p - q) > 2r |u| for all p and q, which are off such that p - q is off by at most `e`? `None`: f64 cannot tell.
+pub(crate) fn hulls_apart(p: &[V3], q: &[V3], e: f64, u: &V3, r: f64) -> Option<bool> {
+    let base = &q[0];
+    // every p - base is no longer than this
+    let worst = p.iter().chain(q).map(|p| norm(&sub(p, base))).fold(0.0f64, f64::max);
+    let range = |points: &[V3], pick: fn(f64, f64) -> f64, from: f64| {
+        points.iter().map(|p| dot(&sub(p, base), u)).fold(from, pick)
+    };
+    let gap = range(p, f64::min, f64::INFINITY) - range(q, f64::max, f64::NEG_INFINITY);
+    let size = norm(u);
+    if gap > (2.0 * r * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size {
+        return Some(true);
+    }
+    (gap < (2.0 * r * size - e * size) * (1.0 - ROUNDING) - ROUNDING * worst * size).then_some(false)
+}
+
+/// The same for homogeneous integer points.
+pub(crate) fn hulls_apart_exactly(p: &[[Int; 4]], q: &[[Int; 4]], u: &[i64; 3], r: f64) -> bool {
+    let u = u.map(Int::from);
+    let dot = |a: &[Int]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &u[k]));
+    let size = dot(&u);
+    let (r, square) = (Dyadic::from_f64(2.0 * r), |x: &Int| x * x);
+    let apart = |p: &[Int; 4], q: &[Int; 4]| {
+        let (gap, w) = (&(&dot(p) * &q[3]) - &(&dot(q) * &p[3]), &p[3] * &q[3]);
+        let reach = r.sqr().mul(&Dyadic { m: &square(&w) * &size, e: 0 });
+        w.sign().is_gt() && gap.sign().is_gt() && Dyadic { m: square(&gap), e: 0 }.cmp(&reach).is_gt()
+    };
+    p.iter().all(|p| q.iter().all(|q| apart(p, q)))
 }
 
 /// D = r(s) w(t) - r(t) w(s), from differences of points so that nothing cancels.
@@ -130,36 +288,6 @@ pub(crate) fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
     true
 }
 
-/// Is u.(p - q) > 2r |u| for all p and q, which are off such that p - q is off by at most `e`? `None`: f64 cannot tell.
-pub(crate) fn hulls_apart(p: &[V3], q: &[V3], e: f64, u: &V3, r: f64) -> Option<bool> {
-    let base = &q[0];
-    // every p - base is no longer than this
-    let worst = p.iter().chain(q).map(|p| norm(&sub(p, base))).fold(0.0f64, f64::max);
-    let range = |points: &[V3], pick: fn(f64, f64) -> f64, from: f64| {
-        points.iter().map(|p| dot(&sub(p, base), u)).fold(from, pick)
-    };
-    let gap = range(p, f64::min, f64::INFINITY) - range(q, f64::max, f64::NEG_INFINITY);
-    let size = norm(u);
-    if gap > (2.0 * r * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size {
-        return Some(true);
-    }
-    (gap < (2.0 * r * size - e * size) * (1.0 - ROUNDING) - ROUNDING * worst * size).then_some(false)
-}
-
-/// The same for homogeneous integer points.
-pub(crate) fn hulls_apart_exactly(p: &[[Int; 4]], q: &[[Int; 4]], u: &[i64; 3], r: f64) -> bool {
-    let u = u.map(Int::from);
-    let dot = |a: &[Int]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &u[k]));
-    let size = dot(&u);
-    let (r, square) = (Dyadic::from_f64(2.0 * r), |x: &Int| x * x);
-    let apart = |p: &[Int; 4], q: &[Int; 4]| {
-        let (gap, w) = (&(&dot(p) * &q[3]) - &(&dot(q) * &p[3]), &p[3] * &q[3]);
-        let reach = r.sqr().mul(&Dyadic { m: &square(&w) * &size, e: 0 });
-        w.sign().is_gt() && gap.sign().is_gt() && Dyadic { m: square(&gap), e: 0 }.cmp(&reach).is_gt()
-    };
-    p.iter().all(|p| q.iter().all(|q| apart(p, q)))
-}
-
 /// A direction from the second arc to the first that is orthogonal to both, if they are nearly straight.
 pub(crate) fn across(q0: &V3, a: &Cone, b: &Cone) -> V3 {
     let c = cross(&a.axis, &b.axis);
@@ -195,4 +323,36 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
 /// The exact arc of a cell.
 pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
     frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth).forms()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(points: [V3; 3]) -> Cell {
+        let p = points.to_vec();
+        let a = points.windows(2).map(|p| sub(&p[1], &p[0])).collect();
+        let (r, w) = (p.clone(), vec![]);
+        Cell { segment: 0, depth: 0, index: 0, r, r_err: 0.0, w, w_err: 0.0, a, a_err: 0.0, p, p_err: 0.0, even: true }
+    }
+
+    /// An arc that turns back: (p - q).a is below 0 for its first hodograph vector and above 0 for its second, and
+    /// where it turns the distance to the other arc is stationary.
+    #[test]
+    fn one_side_needs_one_sign_of_all_hodograph_vectors() {
+        let back = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]]);
+        let on = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [2.0, 0.1, 0.0]]);
+        let far = cell([[10.0, -0.1, 0.0], [10.0, 0.0, 0.0], [10.0, 0.1, 0.0]]);
+        let before = cell([[-10.0, -0.1, 0.0], [-10.0, 0.0, 0.0], [-10.0, 0.1, 0.0]]);
+        for other in [&far, &before] {
+            assert!(!one_side(&back, other, &back, 1e-12));
+            assert!(!one_side(other, &back, &back, 1e-12));
+            // one vector alone, or both with one sign, would do
+            assert!(one_side(&on, other, &on, 1e-12));
+            assert!(one_side(other, &on, &on, 1e-12));
+        }
+        let first = Cell { a: vec![back.a[0]], ..cell([[0.0; 3]; 3]) };
+        let second = Cell { a: vec![back.a[1]], ..cell([[0.0; 3]; 3]) };
+        assert!(one_side(&back, &far, &first, 1e-12) && one_side(&back, &far, &second, 1e-12));
+    }
 }

@@ -77,6 +77,8 @@ pub(crate) struct Cell {
     /// Cartesian control points, their hull holds the arc; empty while some weight is not surely positive.
     pub(crate) p: Vec<V3>,
     pub(crate) p_err: f64,
+    /// Weights of like size (search only).
+    pub(crate) even: bool,
 }
 
 pub(crate) struct Tree<'a> {
@@ -206,17 +208,21 @@ impl<'a> Tree<'a> {
     }
 
     /// Point, first and second derivative with respect to the span's parameter: plain f64, no bound (search only).
-    pub(crate) fn evaluate(&self, segment: usize, t: f64) -> [V3; 3] {
-        let cell = self.span(segment);
-        let [r, r1, r2] = derivatives(&cell.r, t);
-        if cell.w.is_empty() {
-            return [r, r1, r2];
+    /// Where weights far apart would cancel, in the smallest cell made so far, to the precision of its own weights.
+    pub(crate) fn evaluate(&self, segment: usize, mut t: f64) -> [V3; 3] {
+        let mut id = self.spans[segment];
+        let mut cell = self.span(segment);
+        let mut scale = 1.0;
+        while !cell.even
+            && let Some((left, right)) = self.node(id).halves
+        {
+            (id, t) = if t < 0.5 { (left, 2.0 * t) } else { (right, 2.0 * t - 1.0) };
+            let Some(half) = &self.node(id).cell else { break };
+            cell = half;
+            scale *= 2.0;
         }
-        let [w, w1, w2] = derivatives(&cell.w.iter().map(|w| [*w, 0.0, 0.0]).collect::<Vec<_>>(), t).map(|v| v[0]);
-        let c = r.map(|x| x / w);
-        let c1: V3 = std::array::from_fn(|k| (r1[k] - w1 * c[k]) / w);
-        let c2 = std::array::from_fn(|k| (r2[k] - 2.0 * w1 * c1[k] - w2 * c[k]) / w);
-        [c, c1, c2]
+        let [c, c1, c2] = cell.evaluate(t);
+        [c, c1.map(|x| x * scale), c2.map(|x| x * (scale * scale))]
     }
 }
 
@@ -295,6 +301,7 @@ fn span_cell(frame: &Frame, segment: usize) -> Cell {
         a_err: 0.0,
         p: vec![],
         p_err: 0.0,
+        even: true,
     };
     cell.reload(frame);
     cell
@@ -335,6 +342,19 @@ impl Cell {
             .map(|i| [0, 1, 2].map(|k| forms.a[k].c[i].to_f64_shifted(drop) / binomials[i]))
             .collect();
         self.a_err = (4.0 * UNIT + crate::bernstein::binomial_error(forms.a[0].ds)) * largest(&self.a);
+    }
+
+    /// Point, first and second derivative with respect to the cell's parameter.
+    fn evaluate(&self, t: f64) -> [V3; 3] {
+        let [r, r1, r2] = derivatives(&self.r, t);
+        if self.w.is_empty() {
+            return [r, r1, r2];
+        }
+        let [w, w1, w2] = derivatives(&self.w.iter().map(|w| [*w, 0.0, 0.0]).collect::<Vec<_>>(), t).map(|v| v[0]);
+        let c = r.map(|x| x / w);
+        let c1: V3 = std::array::from_fn(|k| (r1[k] - w1 * c[k]) / w);
+        let c2 = std::array::from_fn(|k| (r2[k] - 2.0 * w1 * c1[k] - w2 * c[k]) / w);
+        [c, c1, c2]
     }
 
     pub(crate) fn weight(&self, i: usize) -> f64 {
@@ -410,20 +430,45 @@ impl Cell {
             a_err,
             p: vec![],
             p_err: 0.0,
+            even: true,
         };
         (make(2 * self.index, r0, w0, a0), make(2 * self.index + 1, r1, w1, a1))
     }
 
-    /// Computes the Cartesian points; where rounding has eaten the hodograph or a weight, starts again from the exact
-    /// arc.
+    /// Computes the Cartesian points; where rounding has eaten the hodograph, a weight or the points, starts again from
+    /// the exact arc.
     fn refresh(&mut self, frame: &Frame) {
         let shortest = self.a.iter().map(norm).fold(f64::INFINITY, f64::min);
         let lightest = self.w.iter().copied().fold(f64::INFINITY, f64::min);
         // the hodograph of a cell is to keep at least 20 bits, a positive weight too
-        let worn = self.a_err * 1e6 > shortest || (lightest > 0.0 && self.w_err * 1e6 > lightest);
-        if worn && self.depth > 0 && self.depth.is_multiple_of(4) {
+        let mut worn = self.a_err * 1e6 > shortest || (lightest > 0.0 && self.w_err * 1e6 > lightest);
+        let may_reload = self.depth > 0 && self.depth.is_multiple_of(4);
+        if !worn {
+            self.project();
+            // inherited errors that blur the arc, where a fresh start does better
+            worn = may_reload && self.p_err > 2000.0 * UNIT * self.size() && self.p_err > 1e-7 * self.length();
+        }
+        if worn && may_reload {
             self.reload(frame);
         }
+        if worn {
+            self.project();
+        }
+        self.even = self.w.is_empty() || self.heaviest() < 16.0 * self.w.iter().copied().fold(f64::INFINITY, f64::min);
+    }
+
+    /// The largest coordinate of a point.
+    fn size(&self) -> f64 {
+        self.p.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()))
+    }
+
+    /// From one end to the other.
+    fn length(&self) -> f64 {
+        self.p.first().zip(self.p.last()).map_or(0.0, |(first, last)| norm(&sub(first, last)))
+    }
+
+    /// Computes the Cartesian points.
+    fn project(&mut self) {
         if self.w.is_empty() {
             self.p.clone_from(&self.r);
             self.p_err = self.r_err;

@@ -325,13 +325,7 @@ impl Oracle {
         let mut found: Vec<(f64, Why)> = vec![];
         let per_span = (count / self.spans.len()).clamp(6, 400);
         self.bends(per_span, &mut found);
-        let mut grid: Vec<Sample> = vec![];
-        for (from, to) in &self.ends {
-            grid.extend((0..per_span).map(|i| self.at(from + (to - from) * i as f64 / per_span as f64)));
-        }
-        if !self.closed {
-            grid.push(self.at(1.0));
-        }
+        let grid: Vec<Sample> = self.parameters(per_span).into_iter().map(|u| self.at(u)).collect();
         let step = 1.0 / grid.len() as f64;
         self.pairs(&grid, step, &mut found);
         if !self.closed {
@@ -359,6 +353,39 @@ impl Oracle {
         }
         bounds.sort_by(|a, b| a.exact_sq.cmp(&b.exact_sq));
         Sampled { bounds }
+    }
+
+    /// Rising parameters, half of them even on each span and half even in arc length: with spread weights a span runs
+    /// through most of its length in little of its parameter. A closed curve ends before its start.
+    fn parameters(&self, per_span: usize) -> Vec<f64> {
+        let fine = |per: usize| {
+            let even = |&(from, to): &(f64, f64)| (0..per).map(move |i| from + (to - from) * i as f64 / per as f64);
+            self.ends.iter().flat_map(even).chain([1.0]).collect::<Vec<f64>>()
+        };
+        let mut all = fine(per_span.div_ceil(2));
+        let count = all.len();
+        let dense = fine(16 * per_span);
+        let points: Vec<[f64; 3]> = dense.iter().map(|&u| self.jet(u)[0]).collect();
+        let mut reached = vec![0.0];
+        for pair in points.windows(2) {
+            let d = sub(&pair[1], &pair[0]);
+            reached.push(reached[reached.len() - 1] + dot(&d, &d).sqrt());
+        }
+        let total = reached[reached.len() - 1];
+        for i in 1..count {
+            let wanted = total * i as f64 / count as f64;
+            let k = reached.partition_point(|r| *r < wanted).clamp(1, reached.len() - 1);
+            let share = ((wanted - reached[k - 1]) / (reached[k] - reached[k - 1])).clamp(0.0, 1.0);
+            if share.is_finite() {
+                all.push(dense[k - 1] + share * (dense[k] - dense[k - 1]));
+            }
+        }
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        if self.closed && all[all.len() - 1] > 1.0 - 1e-9 {
+            all.pop();
+        }
+        all
     }
 
     fn bends(&self, per_span: usize, found: &mut Vec<(f64, Why)>) {
