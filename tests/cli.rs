@@ -374,7 +374,7 @@ fn wrong_usage_is_an_error() {
         &["radius", curve, "--budget", "0"],
         &["radius", curve, "--budget", "inf"],
         &["radius", curve, "--threads", "2"],
-        &["radius", curve, "--certificate", "c"],
+        &["radius", curve, "--certificate"],
         &["radius", curve, curve],
         &["radius"],
         &["curvature", curve],
@@ -414,12 +414,12 @@ fn help_names_what_works_and_nothing_else() {
         "--all-terms",
         "--max-cells",
         "--budget",
+        "--certificate",
         "--version",
     ] {
         assert!(help.contains(word), "{word}");
     }
-    for word in ["curvature", "pairs", "squares", "polyline", "check", "batch", "report", "--threads", "--certificate"]
-    {
+    for word in ["curvature", "pairs", "squares", "polyline", "check", "batch", "report", "--threads"] {
         let named = help.split(|c: char| !(c.is_alphanumeric() || c == '-')).any(|found| found == word);
         assert!(!named, "{word} does not work yet");
     }
@@ -491,6 +491,35 @@ fn a_claim_is_verified_as_it_is_printed() {
         let value: Value = serde_json::from_str(answer(&with(&text, &["--json"]), 2)).unwrap();
         assert_eq!((&value["error"]["key"], &value["error"]["file"]), (&key, &"-".into()), "{value}");
     }
+}
+
+#[test]
+fn an_answer_verifies_with_its_own_certificate() {
+    let certificate = std::env::temp_dir().join(format!("tubecert-own-{}.txt", std::process::id()));
+    let path = certificate.to_str().unwrap();
+    for name in ["m98_5_1_parabola", "m98_5_2", "m98_5_3", "straight_line", "trefoil"] {
+        let curve = format!("tests/curves/{name}.json");
+        let plain = answer(&run(&["radius", &curve, "--json"]), 0).to_string();
+        let printed = answer(&run(&["radius", &curve, "--json", "--certificate", path]), 0).to_string();
+        assert_eq!(printed, plain, "the certificate changes nothing in the answer");
+        let check = |answer: &str| fed(&["verify", &curve, path, "--answer", "-", "--json"], answer.as_bytes());
+        verdict(&check(&printed), 0);
+        // one f64 inside
+        for (key, step) in [("\"lo\":", f64::next_up as fn(f64) -> f64), ("\"hi\":", f64::next_down)] {
+            let bound = printed.split(key).nth(1).unwrap().split([',', '}']).next().unwrap();
+            let Ok(value) = bound.parse::<f64>() else { continue };
+            let (old, new) = (format!("{key}{bound}"), format!("{key}{}", step(value)));
+            verdict(&check(&printed.replacen(&old, &new, 1)), 1);
+        }
+    }
+    fs::remove_file(&certificate).unwrap();
+}
+
+#[test]
+fn nothing_is_claimed_if_the_certificate_cannot_be_written() {
+    let output = run(&["radius", CURVE, "--json", "--certificate", "tests"]);
+    let value: Value = serde_json::from_str(answer(&output, 4)).unwrap();
+    assert_eq!((&value["error"]["kind"], &value["error"]["file"]), (&"certificate".into(), &"tests".into()));
 }
 
 #[test]
