@@ -78,6 +78,17 @@ fn straight(options: &RadiusOptions) -> Radius {
     }
 }
 
+/// The terms, other than the one that binds, whose enclosures meet that of delta.
+fn meeting(terms: &Terms, delta: &Enclosure, limited_by: LimitedBy) -> Vec<LimitedBy> {
+    let all = [
+        (LimitedBy::Curvature, terms.curvature),
+        (LimitedBy::BodyToBody, terms.body_to_body),
+        (LimitedBy::EndToBody, terms.end_to_body),
+        (LimitedBy::EndToEnd, terms.end_to_end),
+    ];
+    all.into_iter().filter(|(term, e)| *term != limited_by && e.meets(delta)).map(|(term, _)| term).collect()
+}
+
 fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
     let all = [terms.curvature, terms.body_to_body, end_to_body, end_to_end];
     let least = |pick: fn(&Enclosure) -> f64| all.iter().map(pick).fold(f64::INFINITY, f64::min);
@@ -188,19 +199,12 @@ impl<'a> Job<'a> {
             terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend));
         }
         let limited_by = best.filter(|_| narrow).map_or(LimitedBy::Undecided, |u| u.term);
-        let all = [
-            (LimitedBy::Curvature, terms.curvature),
-            (LimitedBy::BodyToBody, terms.body_to_body),
-            (LimitedBy::EndToBody, terms.end_to_body),
-            (LimitedBy::EndToEnd, terms.end_to_end),
-        ];
-        let meeting = all.into_iter().filter(|(term, e)| *term != limited_by && e.meets(&delta));
         let wanted = best.filter(|_| self.options.certificate && delta.hi.is_finite());
         let upper = wanted.map_or(Upper::None, |u| u.witness.upper(self.frame));
         let answer = Radius {
             delta,
             limited_by,
-            also: meeting.map(|(term, _)| term).collect(),
+            also: meeting(&terms, &delta, limited_by),
             closed: self.frame.closed,
             at: best.map(|u| self.location(&u.witness, u.end)),
             terms,
@@ -215,17 +219,20 @@ impl<'a> Job<'a> {
 
     /// delta = 0 for a corner: the theory of the other terms does not hold across it.
     fn corner(mut self, joint: usize) -> (Radius, Upper) {
-        let curvature = if curvature::straight(self.frame) {
+        let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
+        let curvature = if !self.options.all_terms {
+            open
+        } else if curvature::straight(self.frame) {
             Enclosure::INFINITE
         } else {
             let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
             self.curvature_term(bend, peak)
         };
-        let open = Enclosure { lo: 0.0, hi: f64::INFINITY };
-        let rim = Rim { end_to_body: open, end_to_end: open, delta: Enclosure::ZERO };
+        let rim = self.options.all_terms.then_some(Rim { end_to_body: open, end_to_end: open, delta: Enclosure::ZERO });
+        let complete = !self.options.all_terms || curvature.is_within(self.options.rel_width);
         let terms = Terms { curvature, body_to_body: open, end_to_body: open, end_to_end: open };
         let at = Location { s: None, t: Enclosure::of(&self.frame.knots[joint]), x: None, end: None };
-        (self.nothing(LimitedBy::Corner, at, terms, Some(rim), true), Upper::Corner(joint))
+        (self.nothing(LimitedBy::Corner, at, terms, rim, complete), Upper::Corner(joint))
     }
 
     /// delta = 0 for a proved self-contact, which is a doubly critical pair at the distance 0.
@@ -233,6 +240,11 @@ impl<'a> Job<'a> {
         let curvature = self.curvature_term(bend, peak);
         let ends = if self.frame.closed { Enclosure::INFINITE } else { Enclosure { lo: 0.0, hi: f64::INFINITY } };
         let mut terms = Terms { curvature, body_to_body: Enclosure::ZERO, end_to_body: ends, end_to_end: ends };
+        let outer = [self.exact.end(false), self.exact.end(true)];
+        if !self.frame.closed && touch.s.iter().chain(&touch.t).any(|at| outer.contains(at)) {
+            // rho(e, t) = 0, and the rims about one centre meet at every radius
+            terms.end_to_body = Enclosure::ZERO;
+        }
         let mut rim = None;
         let complete = !self.options.all_terms || self.all_terms(&mut terms, &mut rim);
         let at = self.touch_location(&touch);
@@ -243,11 +255,11 @@ impl<'a> Job<'a> {
         Radius {
             delta: Enclosure::ZERO,
             limited_by,
-            also: vec![],
+            also: meeting(&terms, &Enclosure::ZERO, limited_by),
             closed: self.frame.closed,
             at: Some(at),
             terms,
-            rim: rim.filter(|_| self.options.all_terms),
+            rim,
             complete,
             certificate: None,
             cells: self.meter.cells,
@@ -304,7 +316,11 @@ impl<'a> Job<'a> {
             return complete;
         }
         let mut all_local = false;
+        let on_body = terms.end_to_body.hi == 0.0;
         let mut both = |of: Of| {
+            if on_body {
+                return Enclosure::ZERO;
+            }
             let (mut lo, mut hi, mut met) = (f64::INFINITY, f64::INFINITY, true);
             for side in [false, true] {
                 let (proved, contact) = self.end_to_body(side, of, lo.min(1e9), true);
@@ -358,8 +374,7 @@ impl<'a> Job<'a> {
         if let Some(upper) = best.filter(|u| u.term == LimitedBy::BodyToBody && self.frame.closed) {
             return self.enclosure(0.0, upper.witness.radius).hi;
         }
-        let jacobian = newton::jacobian(&self.tree, pair);
-        let above = self.exact.critical_box(pair, jacobian).or_else(|| {
+        let above = self.exact.critical_box(pair).or_else(|| {
             let mut members = std::iter::once(*pair).chain(newton::snapped(&self.tree, pair));
             members.find_map(|pair| self.exact.exactly_critical(&pair))
         });
@@ -381,8 +396,15 @@ impl<'a> Job<'a> {
 
     fn touch_location(&self, touch: &Touch) -> Location {
         let between = |[from, to]: &[At; 2]| {
-            let plain = |at: &At| Enclosure::of(&self.frame.parameter(at));
-            if from == to { self.parameter(from) } else { Enclosure { lo: plain(from).lo, hi: plain(to).hi } }
+            if from == to {
+                return self.parameter(from);
+            }
+            let (mut low, high) = (self.frame.parameter(from), self.frame.parameter(to));
+            if from.segment > to.segment || (from.segment == to.segment && from.t.cmp(&to.t).is_gt()) {
+                // across the closure: round the start, from below it
+                low += &self.frame.knots[0] - &self.frame.knots[self.frame.segments.len()];
+            }
+            Enclosure { lo: f64_below(&low), hi: f64_above(&high) }
         };
         let x = touch.points.as_ref().map(|points| {
             let points: Vec<_> = points.iter().map(|x| self.frame.point(x)).collect();

@@ -120,7 +120,9 @@ impl Search<'_, '_> {
             let apart = spread < 0.25 * length;
             if (apart || narrow) && !x.p.is_empty() && !y.p.is_empty() {
                 let model = self.refine(i, j);
-                let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return None };
+                let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
+                    unreachable!("cells")
+                };
                 // the bent rule is off by about this: not before that is below what it has to spare
                 let curved = bulge(x) + bulge(y);
                 let off = curved * if model.flat { 2.0 * curved } else { spread };
@@ -246,7 +248,8 @@ impl Search<'_, '_> {
         at(s).filter(|p| radius < pair.radius && apart(p) && critical(p)).unwrap_or(*pair)
     }
 
-    /// Tilt and bent on Bernstein forms of two variables: f64, and exact where f64 cannot tell.
+    /// Rules on Bernstein forms of two variables: together and bent in f64; tilt, bent and ball exactly where f64 cannot
+    /// tell.
     fn closed_by_forms(&self, x: &Cell, y: &Cell, model: &Model, bend: bool) -> bool {
         let gap = Gap::of(x, y);
         if model.shares.is_some_and(|shares| gap.together(sides(x, y, shares)) == Some(true))

@@ -1,7 +1,7 @@
 //! W4 of theory.md, section 2: proved self-contacts; and the existence of doubly critical pairs. Exact.
 
 use super::dyadic::{Dyadic, least_f64, ratio, rounded_quotient, step, truncated};
-use super::frame::{At, ExactForms, Frame, weight_ratio};
+use super::frame::{At, ExactForms, Frame};
 use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
@@ -30,9 +30,6 @@ struct Strand {
     pace: Vec<Int>,
 }
 
-/// A stretch as a segment and two of its parameters, the first perhaps below 0, the second perhaps above 1.
-type Stretch = (usize, Dyadic, Dyadic);
-
 impl Exact<'_> {
     /// W4: the two parameters of a candidate are one point, exactly (small denominators), or a planar spine crosses
     /// itself there by change of sign (Miranda).
@@ -44,7 +41,7 @@ impl Exact<'_> {
                 let whole = |m: &Int| Dyadic { m: m.clone(), e: 0 };
                 let below = rounded_quotient(&whole(num), &whole(den), 80);
                 let above = if den == &Int::ONE { below.clone() } else { below.add(&step(80)) };
-                strand(self.frame, &(*segment, below, above))
+                strand(self.frame, *segment, &below, &above)
             };
             let upper = self.one_point(&s, &t);
             return Some(touch(&around(&s)?, &around(&t)?, upper));
@@ -100,22 +97,13 @@ impl Exact<'_> {
 
     /// A doubly critical pair exists in a small box round the candidate (Miranda on preconditioned F1, F2); returns an
     /// upper bound for half its distance.
-    pub(crate) fn critical_box(&mut self, pair: &Candidate, jacobian: [[f64; 2]; 2]) -> Option<f64> {
-        let inverse = inverse(jacobian)?;
+    pub(crate) fn critical_box(&mut self, pair: &Candidate) -> Option<f64> {
         let (s, t) = self.polished(At::near(pair.s), At::near(pair.t), pair.radius);
         let centre = [s, t].map(|at| At { segment: at.segment, t: truncated(&at.t, 100) });
         let fine = pair.radius < POLISHED;
         for j in [80, 60, 44, 34, 28, 22, 16].into_iter().skip(if fine { 0 } else { 2 }) {
             let Some([x, y]) = self.boxed(&centre, j) else { continue };
-            // q.C'(s) and q.C'(t) are D.a(s) and D.a(t) over w(s)^3 w(t) and w(s) w(t)^3: bring them to one scale
-            let (ratio, exp) = weight_ratio(&x.arcs[0].forms().w, &y.arcs[0].forms().w);
-            let (pace, pace_exp) = (x.pace[0].bits() as i64, y.pace[0].bits() as i64);
-            let map = over(&x, &y, |d, ax, ay| {
-                let mut second = dot(d, ay).scale(ratio * ratio);
-                second.exp += 2 * exp + pace - pace_exp;
-                [dot(d, ax), second]
-            });
-            if opposite_faces(&map, inverse) {
+            if opposite_faces(&over(&x, &y, |d, ax, ay| [dot(d, ax), dot(d, ay)])).is_some() {
                 return half_distance_above(&x.arcs, &y.arcs);
             }
         }
@@ -125,7 +113,7 @@ impl Exact<'_> {
     /// Stretches of half width 2^-j round the two parameters; `None` beyond an end of the spine or if they overlap.
     fn boxed(&self, [s, t]: &[At; 2], j: i64) -> Option<[Strand; 2]> {
         distance(self.frame, s, t).cmp(&step(j - 2)).is_gt().then_some(())?;
-        let around = |at: &At| strand(self.frame, &(at.segment, at.t.sub(&step(j)), at.t.add(&step(j))));
+        let around = |at: &At| strand(self.frame, at.segment, &at.t.sub(&step(j)), &at.t.add(&step(j)));
         Some([around(s)?, around(t)?])
     }
 
@@ -135,22 +123,14 @@ impl Exact<'_> {
         let centre = [pair.s, pair.t].map(|(segment, t)| At { segment, t: truncated(&Dyadic::from_f64(t), 60) });
         for j in [44, 34, 28, 22, 16, 10, 6] {
             let Some([x, y]) = self.boxed(&centre, j) else { continue };
-            // dD/ds ~ a(s), dD/dt ~ -a(t), each up to a positive factor; scaled to one size
-            let column = |strand: &Strand, sign: f64| {
-                let a = strand.arcs[0].forms().a;
-                let top = [i, k].map(|c| a[c].c[0].bits()).into_iter().max().unwrap_or(0) as i64;
-                [i, k].map(|c| sign * a[c].c[0].to_f64_shifted(top))
-            };
-            let (a, b) = (column(&x, 1.0), column(&y, -1.0));
-            let inverse = inverse([[a[0], b[0]], [a[1], b[1]]])?;
-            if opposite_faces(&over(&x, &y, |d, _, _| [d[i].clone(), d[k].clone()]), inverse) {
-                let row = |row: [f64; 2]| {
-                    let mut vector = [0.0; 3];
-                    (vector[i], vector[k]) = (row[0], row[1]);
-                    vector.map(|x| Dyadic::from_f64(x).rational())
+            if let Some(rows) = opposite_faces(&over(&x, &y, |d, _, _| [d[i].clone(), d[k].clone()])) {
+                let row = |row: [Dyadic; 2]| {
+                    let mut vector = [Dyadic::ZERO; 3].map(|x| x.rational());
+                    [vector[i], vector[k]] = row.map(|x| x.rational());
+                    vector
                 };
                 let normal = normal.map(|x| Rational::from(x.big()));
-                let upper = crossing([&x, &y], normal, inverse.map(row));
+                let upper = crossing([&x, &y], normal, rows.map(row));
                 return Some(([x, y], upper));
             }
         }
@@ -158,14 +138,14 @@ impl Exact<'_> {
     }
 }
 
-/// The exact arcs of a stretch of less than one segment, across a joint or the closure if need be; `None` beyond an end
-/// of an open spine.
-fn strand(frame: &Frame, (segment, from, to): &Stretch) -> Option<Strand> {
-    let at = |t: &Dyadic| frame.step(&At { segment: *segment, t: Dyadic::ZERO }, t);
+/// The exact arcs of a stretch of less than one segment, from a parameter that may be below 0 to one that may be above 1:
+/// across a joint or the closure then; `None` beyond an end of an open spine.
+fn strand(frame: &Frame, segment: usize, from: &Dyadic, to: &Dyadic) -> Option<Strand> {
+    let at = |t: &Dyadic| frame.step(&At { segment, t: Dyadic::ZERO }, t);
     let ends = [at(from)?, at(to)?];
     let cut = |segment: usize, from: &Dyadic, to: &Dyadic| frame.segments[segment].arc(from, to);
     if from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le() {
-        return Some(Strand { ends, arcs: vec![cut(*segment, from, to)], pace: vec![Int::ONE] });
+        return Some(Strand { ends, arcs: vec![cut(segment, from, to)], pace: vec![Int::ONE] });
     }
     let before = cut(ends[0].segment, &ends[0].t, &Dyadic::ONE);
     let after = cut(ends[1].segment, &Dyadic::ZERO, &ends[1].t);
@@ -239,37 +219,69 @@ fn over(
     xs.iter().map(|fx| ys.iter().map(|fy| pair(fx, fy)).collect()).collect()
 }
 
-/// Miranda: with G = Y (F1, F2), G1 has opposite strict signs on the faces s = 0 and s = 1 of a square, G2 on t = 0 and
-/// t = 1; the map is given on the parts of the square, rows along s.
-fn opposite_faces(map: &[Vec<[Form<Int>; 2]>], y: [[f64; 2]; 2]) -> bool {
-    fn one_sign(mut coefficients: impl Iterator<Item = Int>) -> Ordering {
-        let first = coefficients.next().map_or(Ordering::Equal, |c| c.sign());
+/// Miranda: for some Y and G = Y (F1, F2), G1 has opposite strict signs on the faces s = 0 and s = 1 of a square, G2 on
+/// t = 0 and t = 1; returns Y. The map is given on the parts of the square, rows along s.
+fn opposite_faces(map: &[Vec<[Form<Int>; 2]>]) -> Option<[[Dyadic; 2]; 2]> {
+    fn one_sign<'a>(mut coefficients: impl Iterator<Item = &'a Int>) -> Ordering {
+        let first = coefficients.next().map_or(Ordering::Equal, Int::sign);
         if coefficients.all(|c| c.sign() == first) { first } else { Ordering::Equal }
     }
-    let combine = |[f1, f2]: &[Form<Int>; 2], row: [f64; 2]| f1.clone().scale(row[0]).add(&f2.clone().scale(row[1]));
-    let width = |g: &Form<Int>| g.dt + 1;
-    let row = |parts: &[[Form<Int>; 2]], last: bool| {
-        one_sign(parts.iter().flat_map(|f| {
-            let g = combine(f, y[0]);
-            let i = if last { g.ds } else { 0 };
-            g.c[i * width(&g)..(i + 1) * width(&g)].to_vec()
+    let rows = preconditioner(map)?;
+    let combined = |row: &[Dyadic; 2]| -> Vec<Vec<Form<Int>>> {
+        let form = |[f1, f2]: &[Form<Int>; 2]| times_dyadic(f1, &row[0]).add(&times_dyadic(f2, &row[1]));
+        map.iter().map(|parts| parts.iter().map(form).collect()).collect()
+    };
+    let (g1, g2) = (combined(&rows[0]), combined(&rows[1]));
+    let row = |parts: &[Form<Int>], last: bool| {
+        one_sign(parts.iter().flat_map(|g| {
+            let (i, width) = (if last { g.ds } else { 0 }, g.dt + 1);
+            g.c[i * width..(i + 1) * width].iter()
         }))
     };
     let column = |last: bool| {
-        one_sign(map.iter().flat_map(|parts| {
-            let g = combine(&parts[if last { parts.len() - 1 } else { 0 }], y[1]);
-            let j = if last { g.dt } else { 0 };
-            g.c.iter().skip(j).step_by(width(&g)).cloned().collect::<Vec<_>>()
+        one_sign(g2.iter().flat_map(|parts| {
+            let g = &parts[if last { parts.len() - 1 } else { 0 }];
+            g.c.iter().skip(if last { g.dt } else { 0 }).step_by(g.dt + 1)
         }))
     };
     let opposite = |a: Ordering, b: Ordering| a != Ordering::Equal && a == b.reverse();
-    opposite(row(&map[0], false), row(&map[map.len() - 1], true)) && opposite(column(false), column(true))
+    let opposite = opposite(row(&g1[0], false), row(&g1[g1.len() - 1], true)) && opposite(column(false), column(true));
+    opposite.then_some(rows)
 }
 
-fn inverse(m: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
-    let det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-    let inverse = [[m[1][1] / det, -m[0][1] / det], [-m[1][0] / det, m[0][0] / det]];
-    inverse.iter().flatten().all(|x| x.is_finite()).then_some(inverse)
+/// The inverse of the mean derivative of a map over its square, to the precision of f64.
+fn preconditioner(map: &[Vec<[Form<Int>; 2]>]) -> Option<[[Dyadic; 2]; 2]> {
+    let far = |parts: &[[Form<Int>; 2]], k: usize| parts[parts.len() - 1][k].clone();
+    let mean = |k: usize| {
+        let (first, last) = (&map[0], &map[map.len() - 1]);
+        // coefficients at corners are values; the exponents of all parts are one
+        let near_near = first[0][k].c[0].clone();
+        let (near_far, far_near, far_far) = (far(first, k), &last[0][k], far(last, k));
+        let near_far = near_far.c[near_far.dt].clone();
+        let far_near = far_near.c[far_near.c.len() - far_near.dt - 1].clone();
+        let far_far = far_far.c[far_far.c.len() - 1].clone();
+        let along_s = &(&far_near + &far_far) - &(&near_near + &near_far);
+        let along_t = &(&near_far + &far_far) - &(&near_near + &far_near);
+        let top = along_s.bits().max(along_t.bits()) as i64;
+        ([along_s, along_t].map(|x| x.to_f64_shifted(top)), top)
+    };
+    let ((f1, top1), (f2, top2)) = (mean(0), mean(1));
+    let det = f1[0] * f2[1] - f1[1] * f2[0];
+    let inverse = [[f2[1] / det, -f1[1] / det], [-f2[0] / det, f1[0] / det]];
+    inverse.iter().flatten().all(|x| x.is_finite()).then_some(())?;
+    // F1 is 2^top1 of the size of f1, and so is F2
+    let top = top1.max(top2);
+    let shifted = |x: f64, by: i64| {
+        let x = Dyadic::from_f64(x);
+        Dyadic { m: x.m, e: x.e + by }
+    };
+    Some(inverse.map(|row| [shifted(row[0], top - top1), shifted(row[1], top - top2)]))
+}
+
+fn times_dyadic(form: &Form<Int>, k: &Dyadic) -> Form<Int> {
+    let mut form = form.mul(&Form::from_bernstein(std::slice::from_ref(&k.m)));
+    form.exp += k.e;
+    form
 }
 
 /// A point of integer homogeneous coordinates.

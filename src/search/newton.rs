@@ -101,11 +101,3 @@ pub(crate) fn partner(tree: &Tree, s: (usize, f64), guess: (usize, f64)) -> Opti
     }
     None
 }
-
-/// The derivative of (q.a(s), q.a(t)) at a candidate, up to a positive factor for each row.
-pub(crate) fn jacobian(tree: &Tree, pair: &Candidate) -> [[f64; 2]; 2] {
-    let (a, b) = (tree.evaluate(pair.s.0, pair.s.1), tree.evaluate(pair.t.0, pair.t.1));
-    let q = sub(&a[0], &b[0]);
-    let mixed = dot(&a[1], &b[1]);
-    [[dot(&a[1], &a[1]) + dot(&q, &a[2]), -mixed], [mixed, dot(&q, &b[2]) - dot(&b[1], &b[1])]]
-}

@@ -217,8 +217,7 @@ impl<'a> Tree<'a> {
             && let Some((left, right)) = self.node(id).halves
         {
             (id, t) = if t < 0.5 { (left, 2.0 * t) } else { (right, 2.0 * t - 1.0) };
-            let Some(half) = &self.node(id).cell else { break };
-            cell = half;
+            cell = self.node(id).cell.as_ref().expect("halves are cells");
             scale *= 2.0;
         }
         let [c, c1, c2] = cell.evaluate(t);

@@ -13,7 +13,7 @@ pub fn radius(spine: &Spine, answer: &Radius, args: &RadiusArgs) -> String {
     let unit = spine.curve().unit().map_or("file units".to_string(), plain);
     let delta = &answer.delta;
     let mut lines = vec![format!("delta {}        ({unit})", relation(delta)), why(spine, answer)];
-    if !answer.also.is_empty() {
+    if !answer.also.is_empty() && answer.delta.hi > 0.0 {
         let also: Vec<String> = answer.also.iter().copied().map(words).collect();
         lines.push(format!("also within these bounds: {}", also.join(", ")));
     }
@@ -96,7 +96,7 @@ fn advice(answer: &Radius, args: &RadiusArgs) -> String {
     let limit = match (answer.stopped, args.budget) {
         (Some(Stop::MaxCells), _) => format!("raise --max-cells (now {})", args.max_cells),
         (Some(_), Some(limit)) => format!("raise --budget (now {} seconds)", limit.as_secs_f64()),
-        _ if answer.delta.lo == 0.0 && answer.delta.hi.is_finite() => {
+        _ if answer.delta.lo == 0.0 && answer.delta.hi > 0.0 && answer.delta.hi.is_finite() => {
             return "neither a self-contact nor a gap could be proved; see whether the spine is meant to touch itself"
                 .into();
         }
