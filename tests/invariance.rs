@@ -9,7 +9,8 @@ use oracle::{Oracle, Sampled, exact, not_above, reaches};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use shapes::*;
-use tubecert::{Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, radius};
+use tubecert::number::{lower_text, parse_rational, upper_text};
+use tubecert::{Claim, Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, radius, verify};
 
 const CELLS: u64 = 100_000;
 
@@ -283,6 +284,21 @@ proptest! {
 
 proptest! {
     #![proptest_config(settings(120))]
+
+    /// What is answered can be written down, and the checker proves it.
+    #[test]
+    fn every_answer_has_a_certificate(curve in spine_anywhere()) {
+        if let Ok(spine) = Spine::from_curve(curve.clone()) {
+            let options = RadiusOptions::new().rel_width(1e-6).max_cells(CELLS).certificate(true);
+            let answer = radius(&spine, &options).expect("an answer");
+            prop_assert!(answer.certificate.is_some(), "no certificate\n{answer:?}\n{}", curve.to_json());
+            let certificate = answer.certificate.unwrap();
+            let bound = |text: String| parse_rational(&text).ok();
+            let (lo, hi) = (bound(lower_text(answer.delta.lo)), bound(upper_text(answer.delta.hi)));
+            let verdict = verify(&Claim { curve: curve.clone(), lo, hi }, &certificate);
+            prop_assert!(verdict.is_ok(), "{}\n{}", verdict.unwrap_err(), curve.to_json());
+        }
+    }
 
     /// A narrow answer within a million cells, unless the spine comes so close to itself that neither a contact nor a
     /// gap can be proved; the upper bound must then say so.
