@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use libfuzzer_sys::arbitrary::Arbitrary;
+use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use tubecert::number::{lower_text, parse_rational, upper_text};
 use tubecert::{Certificate, Curve, RadiusOptions, Rational, Spine, radius, verify};
