@@ -5,7 +5,7 @@
 mod text;
 
 use crate::number::Rational;
-pub use text::MAX_CERTIFICATE_DIGITS;
+pub use text::{MAX_CERTIFICATE_BYTES, MAX_CERTIFICATE_DIGITS};
 
 /// Evidence that delta of one curve lies in [lo, hi]; the format is docs/certificate-format.md.
 #[derive(Debug, Clone, PartialEq, Eq)]

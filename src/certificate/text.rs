@@ -7,8 +7,10 @@ use num_traits::{One, Zero};
 
 use super::{Certificate, EndTree, Foot, Node, SpanArc, Upper, Which};
 use crate::error::{Error, ErrorKind};
-use crate::number::{MAX_BYTES, Rational, excerpt, over_limit, to_fraction_text};
+use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
+/// The most bytes of a certificate: in memory its nodes take up to thirty times as much.
+pub const MAX_CERTIFICATE_BYTES: usize = 32 << 20;
 /// The most digits of an integer in a certificate.
 pub const MAX_CERTIFICATE_DIGITS: usize = 20_000;
 
@@ -18,11 +20,12 @@ impl Certificate {
     /// Reads a certificate. Only the canonical spelling is accepted.
     ///
     /// # Errors
-    /// [`ErrorKind::Limit`] beyond [`MAX_BYTES`] or [`MAX_CERTIFICATE_DIGITS`]; [`ErrorKind::Certificate`] with the
+    /// [`ErrorKind::Limit`] beyond [`MAX_CERTIFICATE_BYTES`] or [`MAX_CERTIFICATE_DIGITS`]; [`ErrorKind::Certificate`] with the
     /// number of the line for all else.
     pub fn decode(bytes: &[u8]) -> Result<Self, Error> {
-        if bytes.len() > MAX_BYTES {
-            return Err(over_limit(format_args!("a text of {} bytes", bytes.len()), MAX_BYTES, "MAX_BYTES"));
+        if bytes.len() > MAX_CERTIFICATE_BYTES {
+            let what = format_args!("a text of {} bytes", bytes.len());
+            return Err(over_limit(what, MAX_CERTIFICATE_BYTES, "MAX_CERTIFICATE_BYTES"));
         }
         let text = std::str::from_utf8(bytes).map_err(|e| undecodable(0, "not ASCII").offset(e.valid_up_to()))?;
         let mut lines = Lines { rest: text.split('\n').peekable(), number: 0 };

@@ -17,7 +17,7 @@ use crate::integer::{Int, decompose, ldexp};
 use crate::spine::Bezier;
 
 /// More nodes are not written: such a certificate would be of no use.
-const MAX_NODES: usize = 20_000_000;
+const MAX_NODES: usize = 2_000_000;
 /// How many halvings of a span the checker allows.
 const MAX_DEPTH: u32 = 500;
 

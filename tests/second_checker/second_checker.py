@@ -117,7 +117,7 @@ class Certificate:
     """Digest, bounds, for every section the vector and the nodes of its tree, and the witness."""
 
     def __init__(self, data):
-        canonical(len(data) <= MAX_BYTES and data.isascii() and data.endswith(b"\n"), "too long, not ASCII, or no last \\n")
+        canonical(len(data) <= MAX_BYTES >> 3 and data.isascii() and data.endswith(b"\n"), "too long, not ASCII, or no last \\n")
         self.lines, self.sections = data.decode("ascii")[:-1].split("\n")[::-1], {}
         canonical(self.lines.pop() == "tubecert-certificate 1 radius", "no tubecert-certificate 1 radius")
         self.digest, self.lo, self.hi = (self.line({k: [f]})[1][0] for k, f in (("curve", str), ("lo", bound), ("hi", bound)))
