@@ -123,11 +123,7 @@ impl Search<'_, '_> {
                 let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
                     unreachable!("cells")
                 };
-                // the bent rule is off by about this: not before that is below what it has to spare
-                let curved = bulge(x) + bulge(y);
-                let off = curved * if model.flat { 2.0 * curved } else { spread };
-                let spare = model.predicted_sq - 4.0 * self.radius * self.radius;
-                let bend = off < spare.max(1e-2 * self.margin * model.predicted_sq);
+                let bend = model.bends(bulge(x) + bulge(y), spread, self.radius, self.margin);
                 if (bend || model.shares.is_some()) && self.closed_by_forms(x, y, &model, bend) {
                     return None;
                 }
@@ -208,7 +204,7 @@ impl Search<'_, '_> {
                 let mut pair = Candidate { s: (cs, s), t: (ct, t), radius: 0.5 * still.length };
                 // only one that is closer than what is known: along circles all are alike
                 let closer = |c: Candidate| pair.radius < c.radius * (1.0 - 0.1 * self.margin);
-                if still.flat && self.candidate.is_none_or(closer) {
+                if still.flat() && self.candidate.is_none_or(closer) {
                     pair = self.slid(&pair, 0.02 + 4.0 * hs);
                 }
                 if pair.radius < POLISHED {
@@ -281,7 +277,14 @@ impl Model {
         let near = step.ds.abs() < 1.5 * hs && step.dt.abs() < 1.5 * ht;
         let [ds, dt, predicted_sq] = if near { whole } else { step.across.unwrap_or(whole) };
         let centre = [0.5 + ds / hs, 0.5 + dt / ht].map(|x| in_units(x.clamp(-1.0, 2.0)));
-        Self { centre, predicted_sq, flat: step.flat, shares: shares(step, [hs, ht], curved) }
+        Self { centre, predicted_sq, flat: step.flat(), shares: shares(step, [hs, ht], curved) }
+    }
+
+    /// Is the bent rule, off by about the cubic part of |q|^2, worth a try: is that below what it has to spare?
+    pub(crate) fn bends(&self, curved: f64, spread: f64, radius: f64, margin: f64) -> bool {
+        let off = curved * if self.flat { 2.0 * curved } else { spread };
+        let spare = self.predicted_sq - 4.0 * radius * radius;
+        off < spare.max(1e-2 * margin * self.predicted_sq)
     }
 }
 

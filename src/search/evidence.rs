@@ -169,10 +169,7 @@ impl Pairs<'_, '_> {
             return None;
         }
         let model = model(self.tree, x, y)?;
-        let curved = bulge(x) + bulge(y);
-        let off = curved * if model.flat { 2.0 * curved } else { spread };
-        let spare = model.predicted_sq - 4.0 * self.r * self.r;
-        let bend = off < spare.max(1e-2 * self.margin * model.predicted_sq);
+        let bend = model.bends(bulge(x) + bulge(y), spread, self.r, self.margin);
         if !bend && model.shares.is_none() {
             return None;
         }
@@ -186,9 +183,9 @@ impl Pairs<'_, '_> {
             return None;
         }
         let shapes = [Shape::of(x), Shape::of(y)];
-        let growths = shapes.each_ref().map(|shape| shape.pace).into_iter().chain(shapes.each_ref().map(|s| s.weight));
-        let mut fields = model.centre.into_iter().chain(growths).map(|x| (x * UNITS) as i64);
-        let written = Node::Bent(std::array::from_fn(|_| fields.next().unwrap_or(0)));
+        let ([x0, y0], [own, other]) = (model.centre, shapes);
+        let fields = [x0, y0, own.pace, other.pace, 2.0 * own.weight, 2.0 * other.weight];
+        let written = Node::Bent(fields.map(|x| (x * UNITS) as i64));
         match gap.bent(self.r, model.centre) {
             Some(true) => return Some(written),
             Some(false) => return None,

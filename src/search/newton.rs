@@ -21,12 +21,17 @@ pub(crate) struct Step {
     pub(crate) length: f64,
     /// The larger of |cos(q, T(s))| and |cos(q, T(t))|.
     pub(crate) residual: f64,
-    /// Is the Hessian nearly singular?
-    pub(crate) flat: bool,
     /// Half the gradient of |q|^2 and half its Hessian (ss, st, tt), in arc length; the speeds.
     pub(crate) gradient: [f64; 2],
     pub(crate) hessian: [f64; 3],
     pub(crate) speed: [f64; 2],
+}
+
+impl Step {
+    /// Is the Hessian nearly singular?
+    pub(crate) const fn flat(&self) -> bool {
+        self.across.is_some()
+    }
 }
 
 /// Newton's step for grad |q|^2 = 0 in arc length, the shortest one where the Hessian is singular.
@@ -58,7 +63,6 @@ pub(crate) fn newton_step(at_s: &[V3; 3], at_t: &[V3; 3]) -> Option<Step> {
     let [ds, dt, predicted_sq] = moved(u, v);
     let flat = l1.abs().min(l2.abs()) < 1e-3 * l1.abs().max(l2.abs());
     let step = Step {
-        flat,
         ds,
         dt,
         predicted_sq,

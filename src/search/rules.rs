@@ -30,11 +30,11 @@ pub(crate) struct Model {
 /// The *bent* rule multiplies D.a by a product of lines (given by the values at both ends), so that q.C' comes to be
 /// multiplied by the arc length from the centre up to third order; `shape` is that of the cell.
 fn lines(centre: f64, shape: &Shape) -> [[f64; 2]; 2] {
-    let (a, b) = (1.0 + shape.pace * centre + 0.5 * shape.weight, shape.pace + shape.weight);
+    let (a, b) = (1.0 + shape.pace * centre + shape.weight, shape.pace + 2.0 * shape.weight);
     [[-centre, 1.0 - centre], [a, a - b]]
 }
 
-/// By which share half the speed, and the weight, grow along a cell, numerically, in units.
+/// By which share half the speed, and half the weight, grow along a cell, numerically, in units.
 pub(crate) struct Shape {
     pub(crate) pace: f64,
     pub(crate) weight: f64,
@@ -48,12 +48,12 @@ impl Shape {
         };
         let (w0, w1) = (c.weight(0), c.weight(c.w.len().max(1) - 1));
         let pace = growth(norm(&c.a[0]) / (w0 * w0), norm(&c.a[c.a.len() - 1]) / (w1 * w1));
-        Self { pace, weight: 2.0 * growth(w0, w1) }
+        Self { pace, weight: growth(w0, w1) }
     }
 
     /// The weight along the cell, 1 in the middle.
     fn weights(&self) -> [f64; 2] {
-        [1.0 - 0.5 * self.weight, 1.0 + 0.5 * self.weight]
+        [1.0 - self.weight, 1.0 + self.weight]
     }
 }
 
@@ -77,8 +77,7 @@ pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, ce
     ) -> Result<Closed, bool> {
         // w(t) / w(s): here a = r'w - r w' in the scale of r and w
         let (ratio, exp) = weight_ratio(&y.w, &x.w);
-        let middle = |shape: &Shape| 1.0 - 0.5 * shape.weight;
-        let ratio = ratio * middle(&shapes[0]) / middle(&shapes[1]);
+        let ratio = ratio * shapes[0].weights()[0] / shapes[1].weights()[0];
         let line = |[from, to]: [f64; 2], k: f64, exp: i64| Form::<T>::line(from * k, to * k, exp);
         let multiplier = |k: usize, ratio: f64, exp: i64| {
             let [first, second] = lines(centre[k], &shapes[k]);
@@ -170,7 +169,7 @@ impl<'c> Gap<'c> {
         let plain = stretched(&self.d, &x.weight_form().mul(&y.weight_form().transposed()), radius);
         let (own, other) = (Shape::of(x), Shape::of(y));
         // the quotient of the weights in the middle
-        let ratio = y.weight(0) * (2.0 - own.weight) / (x.weight(0) * (2.0 - other.weight));
+        let ratio = y.weight(0) * own.weights()[0] / (x.weight(0) * other.weights()[0]);
         let multiplier = |c: f64, k: f64, own: &Shape| {
             let [[from, to], second] = lines(c, own);
             Form::from_strip(&[from * k, to * k], 0.0, 0).mul(&Form::from_strip(&second, 0.0, 0))
