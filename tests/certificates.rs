@@ -42,7 +42,7 @@ fn verifies(curve: &Curve, width: f64) -> String {
     let (lo, hi) = (answer.delta.lo, answer.delta.hi);
     let printed = claim(lower_text(lo), upper_text(hi));
     let verified = verify(&printed, &certificate).unwrap_or_else(|e| panic!("{e}\n{}", curve.to_json()));
-    assert_eq!((verified.lo(), verified.hi()), (printed.lo.as_ref(), printed.hi.as_ref()));
+    assert_eq!((&verified.claim().lo, &verified.claim().hi), (&printed.lo, &printed.hi));
     let inside = |text: String, step: fn(f64) -> f64| nearest_text(step(text.parse::<f64>().unwrap()));
     if lo.is_finite() {
         let claim = claim(inside(lower_text(lo), f64::next_up), upper_text(hi));

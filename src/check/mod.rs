@@ -26,32 +26,18 @@ use rules::{Squared, Why};
 use walk::Walk;
 
 /// A claim that is proved. Only [`verify`] makes one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Verified {
-    digest: String,
-    lo: Option<Rational>,
-    hi: Option<Rational>,
+    claim: Claim,
     closed: bool,
     leaves: BTreeMap<&'static str, usize>,
 }
 
 impl Verified {
-    /// The digest of the curve.
+    /// The claim.
     #[must_use]
-    pub fn digest(&self) -> &str {
-        &self.digest
-    }
-
-    /// The lower bound of delta that was claimed; `None` is +infinity.
-    #[must_use]
-    pub const fn lo(&self) -> Option<&Rational> {
-        self.lo.as_ref()
-    }
-
-    /// The upper bound of delta that was claimed; `None` is +infinity.
-    #[must_use]
-    pub const fn hi(&self) -> Option<&Rational> {
-        self.hi.as_ref()
+    pub const fn claim(&self) -> &Claim {
+        &self.claim
     }
 
     /// Whether the spine is closed.
@@ -151,11 +137,5 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
         walk.end("finish", finish, &last.last(), true)?;
     }
     upper::upper(&spine, upper, hi.as_ref()).map_err(|why| Rejection::of("upper", why))?;
-    Ok(Verified {
-        digest: digest.clone(),
-        lo: claim.lo.clone(),
-        hi: claim.hi.clone(),
-        closed: spine.closed,
-        leaves: walk.leaves,
-    })
+    Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves: walk.leaves })
 }

@@ -195,7 +195,10 @@ fn parabola() {
     let curve = file("m98_5_1_parabola");
     let upper = Upper::Curvature { span: 0, t: q("1/2") };
     let (certificate, verified) = accepted("parabola", &curve, "0.4999", Some("1/2"), upper.clone());
-    assert_eq!((verified.lo(), verified.hi(), verified.closed()), (Some(&q("0.4999")), Some(&q("1/2")), false));
+    assert_eq!(
+        (&verified.claim().lo, &verified.claim().hi, verified.closed()),
+        (&Some(q("0.4999")), &Some(q("1/2")), false)
+    );
 
     // the tests of the program read it
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/certificates/accept/m98_5_1_parabola__naive.txt");
@@ -208,11 +211,11 @@ fn parabola() {
     stronger.lo = Some(q("0.49991"));
     assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "lo");
     stronger.lo = Some(q("0.1"));
-    assert_eq!(verify(&stronger, &certificate).unwrap().lo(), Some(&q("0.1")));
+    assert_eq!(verify(&stronger, &certificate).unwrap().claim().lo, Some(q("0.1")));
     stronger.hi = Some(q("0.49995"));
     assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "hi");
     stronger.hi = None;
-    assert_eq!(verify(&stronger, &certificate).unwrap().hi(), None);
+    assert_eq!(verify(&stronger, &certificate).unwrap().claim().hi, None);
 
     assert_eq!(refused(&file("m98_5_2"), &certificate).section, "curve");
     let changed = |change: fn(&mut Certificate)| {
@@ -241,7 +244,7 @@ fn parabola() {
 fn straight_line() {
     let curve = file("straight_line");
     let (certificate, verified) = accepted("straight line", &curve, "inf", None, Upper::None);
-    assert_eq!((verified.lo(), verified.hi()), (None, None));
+    assert_eq!((&verified.claim().lo, &verified.claim().hi), (&None, &None));
     let bent = file("m98_5_1_parabola");
     let forged = Certificate { digest: bent.digest(), ..certificate };
     assert_eq!(refused(&bent, &forged).why, "the spine is not straight");
@@ -419,8 +422,8 @@ proptest! {
         if let Ok(certificate) = Certificate::decode((lines.join("\n") + "\n").as_bytes())
             && let Ok(verified) = verify(&certificate.claim(curve), &certificate)
         {
-            prop_assert!(verified.lo().is_some_and(|lo| compare(lo, &q("1/2")).is_lt()));
-            prop_assert!(verified.hi().is_none_or(|hi| compare(hi, &q("1/2")).is_ge()));
+            prop_assert!(verified.claim().lo.as_ref().is_some_and(|lo| compare(lo, &q("1/2")).is_lt()));
+            prop_assert!(verified.claim().hi.as_ref().is_none_or(|hi| compare(hi, &q("1/2")).is_ge()));
         }
     }
 

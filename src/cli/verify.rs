@@ -143,11 +143,11 @@ fn as_text(claim: &Claim, verdict: &Result<Verified, Rejection>) -> String {
 
 fn meaning(verified: &Verified) -> String {
     let spine = if verified.closed() { "closed" } else { "open" };
-    let below = match verified.lo() {
+    let below = match &verified.claim().lo {
         None => "every radius".to_string(),
         Some(lo) => format!("every radius below {}", text(lo)),
     };
-    let above = match verified.hi() {
+    let above = match &verified.claim().hi {
         None => String::new(),
         Some(hi) => format!("; no radius above {} is", text(hi)),
     };

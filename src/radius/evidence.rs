@@ -42,8 +42,11 @@ pub(super) fn certificate(
 #[cfg(test)]
 mod tests {
     use super::{Certificate, Rational, Upper};
+    use crate::check::verify;
+    use crate::curve::Curve;
+    use crate::radius::{RadiusOptions, radius};
     use crate::search::evidence::{FAULT, Fault};
-    use crate::{Curve, RadiusOptions, Spine, radius, verify};
+    use crate::spine::Spine;
 
     const CURVATURE: &str = include_str!("../../tests/curves/m98_5_3.json");
     const BODY: &str = include_str!("../../tests/curves/trefoil.json");
