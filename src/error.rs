@@ -91,7 +91,15 @@ pub struct Error {
 
 impl Error {
     pub(crate) fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
-        Self { kind, key: None, index: None, offset: None, message: message.into(), help: String::new() }
+        // what to do where nothing nearer to the fault is said
+        let help = match kind {
+            ErrorKind::Syntax => "write the file as strict JSON, in UTF-8",
+            ErrorKind::Limit => "stay within the limits (docs/interface.md, Numbers), or split the curve",
+            ErrorKind::Number => "write a decimal such as -1.5e-3 or, in quotes, a fraction such as \"1/3\"",
+            ErrorKind::WrongType => "see the keys of a curve file in docs/interface.md",
+            _ => "",
+        };
+        Self { kind, key: None, index: None, offset: None, message: message.into(), help: help.to_string() }
     }
 
     pub(crate) fn key(mut self, key: impl Into<String>) -> Self {

@@ -132,6 +132,14 @@ fn hairpins() {
     all_at_once(&rotated(&hairpin(int(3), int(1)), [3, 1, -2, 5]), &int(1));
 }
 
+/// Straight strands a hundred million times longer than they are apart.
+#[test]
+fn hairpins_as_thin_as_can_be_told() {
+    for e in [-5, -7, -8] {
+        all_at_once(&hairpin(int(5), power(10, e)), &power(10, e));
+    }
+}
+
 #[test]
 fn stadiums() {
     for (length, radius) in [(int(3), int(1)), (int(10), q(1, 7))] {
@@ -263,9 +271,12 @@ fn terms_beside_a_self_contact() {
         assert!(answer.complete && terms.curvature.is_within(1e-9) && terms.curvature.lo > 0.0, "{answer:?}");
         assert!(answer.also.contains(&LimitedBy::BodyToBody) && rim.delta.hi == 0.0, "{answer:?}");
     }
-    let spine = Spine::from_curve(end_on_the_body()).expect("a spine");
-    let terms = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer").terms;
-    assert_eq!((terms.end_to_body.lo, terms.end_to_body.hi), (0.0, 0.0));
+    // the end lies on the body: at a crossing, and along a circle run through more than once
+    for curve in [end_on_the_body(), shapes::circle(5), shapes::circle(6)] {
+        let spine = Spine::from_curve(curve).expect("a spine");
+        let terms = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer").terms;
+        assert_eq!((terms.end_to_body.lo, terms.end_to_body.hi), (0.0, 0.0));
+    }
 }
 
 fn touching(curve: &Curve, by: LimitedBy) -> Radius {
@@ -299,6 +310,29 @@ fn corners() {
     for curve in [polyline.unwrap(), doubled.unwrap(), there_and_back.curve(), drop] {
         touching(&curve, LimitedBy::Corner);
     }
+}
+
+/// Two straight strands of which one ends on the other, at a rational parameter, with a common tangent.
+#[test]
+fn touch_without_crossing() {
+    let touch = Path::from(plane(int(-3), int(0)))
+        .line(plane(int(3), int(0)))
+        .quarter(plane(int(4), int(0)), plane(int(4), int(1)))
+        .quarter(plane(int(4), int(2)), plane(int(3), int(2)))
+        .line(plane(int(0), int(2)))
+        .quarter(plane(int(-1), int(2)), plane(int(-1), int(1)))
+        .quarter(plane(int(-1), int(0)), plane(int(0), int(0)));
+    touching(&touch.curve(), LimitedBy::SelfContact);
+}
+
+/// A span of 10^-50 of the domain: an answer, however wide, and soon.
+#[test]
+fn vanishing_span() {
+    let points = [[0, 0, 0], [1, 2, 0], [2, -2, 1], [3, 0, 0], [4, 1, 1], [5, 0, 0]].map(|p| p.map(int)).to_vec();
+    let knots = [int(0), int(0), int(0), int(0), power(10, -50), q(1, 2), int(1), int(1), int(1), int(1)].to_vec();
+    let spine = Spine::from_curve(Curve::new(3, points, None, Some(knots)).expect("a curve")).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(10_000)).expect("an answer");
+    assert!(answer.stopped.is_none() && answer.delta.lo <= answer.delta.hi && answer.delta.hi < 1e-12, "{answer:?}");
 }
 
 #[test]

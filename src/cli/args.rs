@@ -85,5 +85,5 @@ fn rel_width(text: &str) -> Result<f64, String> {
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0);
     let limit = seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());
-    limit.ok_or_else(|| "a positive number of seconds is wanted".to_string())
+    limit.ok_or_else(|| "a positive number of seconds is wanted, below 1e19".to_string())
 }

@@ -36,6 +36,11 @@ impl Enclosure {
         self.lo <= other.hi && other.lo <= self.hi
     }
 
+    /// What both say of one number.
+    pub(super) fn and(&self, other: &Self) -> Self {
+        Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }
+    }
+
     pub(super) fn of(x: &Rational) -> Self {
         Self { lo: f64_below(x), hi: f64_above(x) }
     }

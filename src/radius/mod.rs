@@ -193,10 +193,11 @@ impl<'a> Job<'a> {
         let narrow = delta.is_within(width);
         let mut complete = narrow;
         let mut rim = None;
+        if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= above) {
+            terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend));
+        }
         if self.options.all_terms {
             complete &= self.all_terms(&mut terms, &mut rim);
-        } else if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= above) {
-            terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend));
         }
         let limited_by = best.filter(|_| narrow).map_or(LimitedBy::Undecided, |u| u.term);
         let wanted = best.filter(|_| self.options.certificate && delta.hi.is_finite());
@@ -241,7 +242,11 @@ impl<'a> Job<'a> {
         let ends = if self.frame.closed { Enclosure::INFINITE } else { Enclosure { lo: 0.0, hi: f64::INFINITY } };
         let mut terms = Terms { curvature, body_to_body: Enclosure::ZERO, end_to_body: ends, end_to_end: ends };
         let outer = [self.exact.end(false), self.exact.end(true)];
-        if !self.frame.closed && touch.s.iter().chain(&touch.t).any(|at| outer.contains(at)) {
+        let joints = 0..self.frame.segments.len();
+        let mut returns =
+            |end: &At| joints.clone().any(|k| self.exact.is_at(end, (k, 0.0)) || self.exact.is_at(end, (k, 1.0)));
+        let touched = touch.s.iter().chain(&touch.t).any(|at| outer.contains(at));
+        if !self.frame.closed && (touched || outer.iter().any(&mut returns)) {
             // rho(e, t) = 0, and the rims about one centre meet at every radius
             terms.end_to_body = Enclosure::ZERO;
         }
@@ -307,8 +312,8 @@ impl<'a> Job<'a> {
         if terms.body_to_body.hi > 0.0 {
             let body = body::body_to_body(&mut self.tree, f64::INFINITY, self.margin, &mut self.meter);
             let hi = body.candidate.map_or(f64::INFINITY, |pair| self.body_above(&pair, None));
-            terms.body_to_body =
-                Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi: hi.min(terms.body_to_body.hi) };
+            let found = Enclosure { lo: self.enclosure(body.radius, f64::INFINITY).lo, hi };
+            terms.body_to_body = terms.body_to_body.and(&found);
         }
         let mut complete = terms.body_to_body.is_within(width);
         if self.frame.closed {
@@ -326,9 +331,10 @@ impl<'a> Job<'a> {
                 let (proved, contact) = self.end_to_body(side, of, lo.min(1e9), true);
                 // then the pair of both ends is local as well
                 all_local |= proved == f64::INFINITY;
+                // of the two ends that with the least value: it is a contact, or at the frontier of its local pairs
                 if proved < lo {
                     lo = proved;
-                    hi = hi.min(contact.and_then(|c| self.contact_above(&c, of)).unwrap_or(f64::INFINITY));
+                    hi = contact.and_then(|c| self.contact_above(&c, of)).unwrap_or(f64::INFINITY);
                     met = contact.is_some();
                 }
             }
@@ -338,7 +344,7 @@ impl<'a> Job<'a> {
             complete &= term.is_within(width) || (frontier && self.meter.stopped.is_none());
             term
         };
-        terms.end_to_body = both(Of::Disks);
+        terms.end_to_body = terms.end_to_body.and(&both(Of::Disks));
         let rim_body = both(Of::Rims);
         let (start, finish) = (self.exact.end(false), self.exact.end(true));
         let not_local = self.exact.not_local(&start, &finish);
@@ -358,6 +364,9 @@ impl<'a> Job<'a> {
     /// An upper bound for an end term: the contact is exact, and its pair is not local.
     fn contact_above(&mut self, contact: &Contact, of: Of) -> Option<f64> {
         let end = self.exact.end(contact.finish);
+        if self.exact.is_at(&end, contact.t) {
+            return Some(0.0);
+        }
         let at = At::near(contact.t);
         if !self.exact.not_local(&end, &at) {
             return None;

@@ -12,6 +12,7 @@
 //!   critical pairs (circles, parallel strands) close at moderate depth.
 
 use super::curvature::golden;
+use super::evidence::hulls_apart_along;
 use super::frame::Frame;
 use super::meter::Meter;
 use super::newton::{Candidate, Step, newton_step, partner};
@@ -159,7 +160,11 @@ impl Search<'_, '_> {
         if one_side(x, y, x, e) || one_side(x, y, y, e) {
             return true;
         }
-        let slab = |u: &V3| hulls_apart(&x.p, &y.p, e, u, self.radius) == Some(true);
+        // straight strands far closer than they are long: f64 cannot tell the gap, the exact points can
+        let slab = |u: &V3| {
+            let exact = || hulls_apart_along(self.tree.frame, x, y, e, u, self.radius).is_some();
+            hulls_apart(&x.p, &y.p, e, u, self.radius).unwrap_or_else(exact)
+        };
         slab(q0) || slab(across)
     }
 

@@ -60,6 +60,12 @@ impl Exact<'_> {
         Upper::Contact { x, feet: positions.map(Foot::Plane) }
     }
 
+    /// Is the spine at the end's point again, at a simple rational parameter near t?
+    pub(crate) fn is_at(&mut self, end: &At, t: (usize, f64)) -> bool {
+        let whole = (end.segment, end.t.m.clone(), Int::ONE);
+        simplest(t).is_some_and(|t| self.same_point(&whole, &t))
+    }
+
     fn same_point(&mut self, s: &(usize, Int, Int), t: &(usize, Int, Int)) -> bool {
         if same_parameter(self.frame, s, t) {
             return false;
@@ -327,7 +333,9 @@ fn at_ratio(form: &Form<Int>, num: &Int, den: &Int, degree: usize) -> Int {
     (form.ds..degree).fold(sum, |sum, _| &sum * den)
 }
 
-/// The segment, and the fraction of denominator at most 1000 within 1e-9 of t in [0, 1], by continued fractions.
+/// The segment, and the fraction of denominator at most 1000 within 1e-7 of t in [0, 1], by continued fractions: where
+/// strands touch without crossing Newton's method comes no closer.
+/// Fractions of such denominators are 1e-6 apart.
 fn simplest((segment, t): (usize, f64)) -> Option<(usize, Int, Int)> {
     let (mut p, mut q) = ((0i64, 1i64), (1i64, 0i64));
     let mut x = t;
@@ -338,7 +346,7 @@ fn simplest((segment, t): (usize, f64)) -> Option<(usize, Int, Int)> {
             return None;
         }
         let (num, den) = (p.1, q.1);
-        if (num as f64 / den as f64 - t).abs() < 1e-9 {
+        if (num as f64 / den as f64 - t).abs() < 1e-7 {
             return (num >= 0 && num <= den).then(|| (segment, Int::from(num), Int::from(den)));
         }
         x = 1.0 / (x - whole);

@@ -11,6 +11,9 @@ use crate::spine::Bezier;
 
 /// Cells deeper than this are given up.
 const MAX_DEPTH: u32 = 400;
+/// In the unit box: a smaller radius may never be told from 0, and only so many cells are spent on it.
+const HOPELESS: f64 = 1e-12;
+const PATIENCE: u32 = 2_000;
 
 /// A place of high curvature: 1/kappa there, numerically.
 #[derive(Debug, Clone, Copy)]
@@ -177,6 +180,7 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
     for segment in 0..spans.len() {
         search.sample(segment);
     }
+    let mut patience = PATIENCE;
     for (segment, span) in spans.iter().enumerate() {
         let mut open = vec![(span.clone(), 0u32, Int::ZERO)];
         while let Some((mut strips, depth, index)) = open.pop() {
@@ -184,7 +188,8 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
             if search.closed(segment, &strips, depth, &index) {
                 continue;
             }
-            if !meter.tick() || depth >= MAX_DEPTH {
+            patience -= u32::from(search.radius < HOPELESS && patience > 0);
+            if !meter.tick() || depth >= MAX_DEPTH || patience == 0 {
                 search.radius = search.radius.min(strips.floor());
                 continue;
             }

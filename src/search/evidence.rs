@@ -158,9 +158,8 @@ impl Pairs<'_, '_> {
         if one_side(x, y, y, e) {
             return Some(Node::Side([0, 1]));
         }
-        let points = |c: &Cell| exact_points(&self.tree.frame.segments[c.segment].cell(&c.exact_index(), c.depth));
         for u in [q0, across(&q0, &a.cone, &b.cone)] {
-            if let Some(u) = direction(&u, &x.p, &y.p, e, self.r, || (points(x), points(y))) {
+            if let Some(u) = hulls_apart_along(self.tree.frame, x, y, e, &u, self.r) {
                 return Some(Node::Slab(u));
             }
         }
@@ -282,6 +281,12 @@ pub(super) fn direction(
         let (p, q) = exact();
         hulls_apart_exactly(&p, &q, u, r)
     })
+}
+
+/// The same for two cells.
+pub(super) fn hulls_apart_along(frame: &Frame, x: &Cell, y: &Cell, e: f64, u: &V3, r: f64) -> Option<[i64; 3]> {
+    let points = |c: &Cell| exact_points(&frame.segments[c.segment].cell(&c.exact_index(), c.depth));
+    direction(u, &x.p, &y.p, e, r, || (points(x), points(y)))
 }
 
 pub(super) fn exact_points(arc: &Bezier) -> Vec<[Int; 4]> {

@@ -224,16 +224,15 @@ pub(crate) struct ExactForms {
     pub(crate) a: Vec3<Int>,
 }
 
-/// The same in any arithmetic.
+/// Denominator and hodograph in any arithmetic.
 pub(crate) struct ArcForms<T: Scalar> {
-    pub(crate) r: Vec3<T>,
     pub(crate) w: Form<T>,
     pub(crate) a: Vec3<T>,
 }
 
 impl ExactForms {
     pub(crate) fn cast<T: Scalar>(&self) -> ArcForms<T> {
-        ArcForms { r: self.r.each_ref().map(T::cast), w: T::cast(&self.w), a: self.a.each_ref().map(T::cast) }
+        ArcForms { w: T::cast(&self.w), a: self.a.each_ref().map(T::cast) }
     }
 }
 

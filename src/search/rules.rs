@@ -1,7 +1,7 @@
 //! The rules that close a pair of cells; see `body` for what each proves.
 
 use super::dyadic::Dyadic;
-use super::frame::{ArcForms, ExactForms, Frame, weight_ratio};
+use super::frame::{ExactForms, Frame, weight_ratio};
 use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
 use crate::enclosure::Interval;
@@ -66,11 +66,12 @@ pub(crate) enum Closed {
     Far,
 }
 
-/// The same rules from exact arcs: intervals first, then integers.
+/// Rules from exact arcs: f64 first, then intervals, then integers.
 pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, centre: [f64; 2]) -> Option<Closed> {
     /// The rule that holds, or whether surely none does.
     fn run<T: Scalar>(
         [x, y]: [&ExactForms; 2],
+        d: &Vec3<Int>,
         shapes: &[Shape; 2],
         radius: f64,
         centre: [f64; 2],
@@ -90,11 +91,10 @@ pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, ce
             own.mul(&if k == 0 { other.transposed() } else { other })
         };
         let (first, second) = (multiplier(0, -ratio, exp), multiplier(1, 1.0 / ratio, -exp));
-        let (x, mut y) = (x.cast::<T>(), y.cast::<T>());
-        y = ArcForms { r: y.r.map(Form::transposed), w: y.w.transposed(), a: y.a.map(Form::transposed) };
-        let d: Vec3<T> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
-        let (ds, dt) = (form::dot(&d, &x.a), form::dot(&d, &y.a));
-        let plain = stretched(&d, &x.w.mul(&y.w), radius);
+        let cast = |v: &Vec3<Int>| v.each_ref().map(T::cast);
+        let (d, weights) = (cast(d), T::cast(&x.w).mul(&T::cast(&y.w).transposed()));
+        let (ds, dt) = (form::dot(&d, &cast(&x.a)), form::dot(&d, &cast(&y.a).map(Form::transposed)));
+        let plain = stretched(&d, &weights, radius);
         let bent = || plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive();
         let rules: [(Closed, &dyn Fn() -> Option<bool>); 4] = [
             (Closed::TiltFirst, &|| ds.one_sign()),
@@ -113,10 +113,14 @@ pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, ce
         Err(sure)
     }
     let shapes = cells.map(Shape::of);
-    match run::<Interval>(exact, &shapes, radius, centre) {
-        Err(false) => run::<Int>(exact, &shapes, radius, centre).ok(),
-        decided => decided.ok(),
-    }
+    // D in integers: rounded, its digits would be lost where the strands are far closer than the box is wide
+    let [x, y] = exact;
+    let turned = |f: &Form<Int>| f.clone().transposed();
+    let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&turned(&y.w)).sub(&turned(&y.r[k]).mul(&x.w)));
+    run::<f64>(exact, &d, &shapes, radius, centre)
+        .or_else(|sure| if sure { Err(true) } else { run::<Interval>(exact, &d, &shapes, radius, centre) })
+        .or_else(|sure| if sure { Err(true) } else { run::<Int>(exact, &d, &shapes, radius, centre) })
+        .ok()
 }
 
 /// `Some(true)` if a rule says so; `Some(false)` if all surely fail; `None` if the arithmetic cannot tell.
