@@ -312,6 +312,33 @@ fn corners() {
     }
 }
 
+/// The finish has a contact (2.01925374045 to 50 digits) a little below the value at the frontier of its local pairs.
+#[test]
+fn contact_beside_the_frontier() {
+    let curve = Curve::from_json_str(
+        r#"{"degree": 3, "control_points": [[0, 0, 0], ["-3/8", "-9/16", "-3/4"], [0, "-23/16", -1], ["1/2", "-29/16",
+            "-7/4"], ["13/16", "-39/16", "-39/16"], ["5/8", "-3/2", "-11/4"], ["23/16", "-9/8", "-51/16"], ["5/4",
+            "-9/16", -4], ["5/8", "-13/16", "-19/4"], ["-3/16", "-5/16", "-81/16"]], "weights": ["7/8", 3, "15/8",
+            "11/4", "1/4", "23/8", "5/8", "21/8", "13/8", "15/8"], "knots": [0, 0, 0, 0, 2, 3, 3, 6, 8, 9, 10, 10, 10,
+            10]}"#,
+    );
+    let spine = Spine::from_curve(curve.expect("a curve")).expect("a spine");
+    let term = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer").terms.end_to_body;
+    assert!(term.is_within(WIDTH) && term.lo <= 2.019_253_740_45 && 2.019_253_740_44 <= term.hi, "{term:?}");
+}
+
+/// Arcs of up to 90 degrees: every pair is local, and no term of the ends exists.
+#[test]
+fn quarter_circles_have_no_end_terms() {
+    let arc = Path::from(plane(int(1), int(0))).quarter(plane(int(1), int(1)), plane(int(0), int(1))).curve();
+    let spine = Spine::from_curve(arc).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer");
+    for term in [answer.terms.end_to_body, answer.terms.end_to_end, answer.terms.body_to_body] {
+        assert_eq!(term, tubecert::Enclosure::INFINITE, "{answer:?}");
+    }
+    assert!(answer.complete);
+}
+
 /// Two straight strands of which one ends on the other, at a rational parameter, with a common tangent.
 #[test]
 fn touch_without_crossing() {

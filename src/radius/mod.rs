@@ -15,6 +15,7 @@ use crate::search::ends::{self, Contact, Of};
 use crate::search::frame::{At, Frame};
 use crate::search::meter::Meter;
 use crate::search::newton::{self, Candidate};
+use crate::search::rims;
 use crate::search::tree::Tree;
 use crate::search::witness::{Exact, Witness};
 use crate::spine::Spine;
@@ -316,7 +317,9 @@ impl<'a> Job<'a> {
             terms.body_to_body = terms.body_to_body.and(&found);
         }
         let mut complete = terms.body_to_body.is_within(width);
-        if self.frame.closed {
+        if self.frame.closed || rims::all_local(self.frame) {
+            // no end, or no pair with an end that is not local
+            (terms.end_to_body, terms.end_to_end) = (Enclosure::INFINITE, Enclosure::INFINITE);
             *rim = Some(rim_of(terms, Enclosure::INFINITE, Enclosure::INFINITE));
             return complete;
         }

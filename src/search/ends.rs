@@ -264,21 +264,22 @@ impl<'t, 'f> Search<'t, 'f> {
     }
 
     /// Are all pairs of points of an arc next to `reach` and of `reach` local: tangents pairwise within 90 degrees?
-    fn local(&self, id: Id) -> bool {
+    fn local(&mut self, id: Id) -> bool {
         let node = self.tree.node(id);
-        let mut open: Vec<Id> = self.reach.clone();
-        if !node.cone.within_45_degrees() {
+        let (cone, rad) = (node.cone, node.rad);
+        if !cone.within_45_degrees() {
             return false;
         }
+        let mut open: Vec<Id> = self.reach.clone();
         while let Some(other) = open.pop() {
             let part = self.tree.node(other);
-            if part.cone.within_90_degrees_of(&node.cone) {
+            if part.cone.within_90_degrees_of(&cone) {
                 continue;
             }
-            match self.tree.known_children(other) {
-                Some((left, right)) if part.rad > node.rad => open.extend([left, right]),
-                _ => return false,
-            }
+            // opened down to the size of the node: coarser cones would end the arc too early
+            let parts = if part.rad > rad { self.tree.children(other) } else { None };
+            let Some((left, right)) = parts else { return false };
+            open.extend([left, right]);
         }
         true
     }

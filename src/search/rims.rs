@@ -3,8 +3,10 @@
 use super::contact::plane;
 use super::dyadic::{Dyadic, cross3, dot3, least_f64, ratio, step};
 use super::ends::{Contact, Of};
-use super::frame::At;
+use super::frame::{At, Frame};
 use super::witness::{DiskPair, Exact};
+use crate::integer::Int;
+use crate::spine::Bezier;
 
 impl DiskPair {
     /// 2 M of theory.md, section 5.
@@ -30,6 +32,23 @@ impl DiskPair {
         let line = dot3(&self.a, &self.q).sqr().mul(&dot3(&self.d, &self.d));
         Some((line, dot3(&self.u, &self.u).mul(&self.w.sqr())))
     }
+}
+
+/// Are all tangents pairwise within 90 degrees, so that no two points of the spine make a pair that is not local? By the
+/// control vectors of the hodograph on a few cells; exact, so that an arc of 90 degrees counts.
+pub(crate) fn all_local(frame: &Frame) -> bool {
+    const CELLS: u32 = 3;
+    const MOST: usize = 300;
+    let cells = |segment: &Bezier| -> Vec<[Int; 3]> {
+        let cells = (0..1i64 << CELLS).map(|index| segment.cell(&Int::from(index), CELLS).forms().a);
+        cells.flat_map(|a| (0..a[0].c.len()).map(move |i| a.each_ref().map(|a| a.c[i].clone()))).collect()
+    };
+    if (frame.segments.len() * 2 * frame.segments[0].degree()) << CELLS > MOST {
+        return false;
+    }
+    let vectors: Vec<[Int; 3]> = frame.segments.iter().flat_map(cells).collect();
+    let acute = |u: &[Int; 3], v: &[Int; 3]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&u[k] * &v[k])).sign().is_ge();
+    vectors.iter().all(|u| vectors.iter().all(|v| acute(u, v)))
 }
 
 impl Exact<'_> {

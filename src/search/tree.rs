@@ -161,12 +161,6 @@ impl<'a> Tree<'a> {
         extent
     }
 
-    /// The halves, if they were made already.
-    pub(crate) fn known_children(&self, id: Id) -> Option<(Id, Id)> {
-        let node = self.node(id);
-        node.blocks.or(node.halves)
-    }
-
     fn push_cell(&mut self, mut cell: Cell) -> Id {
         cell.refresh(self.frame);
         let (mid, rad) = cell.ball();
