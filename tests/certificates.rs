@@ -263,6 +263,20 @@ fn evidence_for_a_neighbour_of_the_curve() {
     }
 }
 
+/// Long hostile texts about `m98_5_2`, made from its kept certificate: more splits than leaves, and arcs too deep.
+fn long_texts() -> [String; 3] {
+    let path = folder("certificates/accept").join("m98_5_2__1e-9.txt");
+    let text = std::fs::read_to_string(path).unwrap();
+    let (head, _) = text.split_at(text.find("along\n").unwrap() + "along\n".len());
+    let (along, _) = text.split_at(text.find("pairs\n").unwrap());
+    let (_, rest) = text.split_at(text.find("start ").unwrap());
+    [
+        format!("{head}{}", "/\n".repeat(100_000)),
+        format!("{head}{}pairs\n", "/\ncurved\n".repeat(2_000)),
+        format!("{along}pairs\n/\ncone 1 0 0\n{}{rest}", "1\n".repeat(3_000)),
+    ]
+}
+
 /// The files of tests/certificates: what must be accepted, what must be rejected, and what must only be survived. Their
 /// names start with the curve's, up to `__`.
 #[test]
@@ -286,9 +300,10 @@ fn kept_files() {
         let certificate = Certificate::decode(&std::fs::read(&path).unwrap()).unwrap();
         assert!(verify(&certificate.claim(curve_of(&path)), &certificate).is_err(), "{}", path.display());
     }
-    for path in files("survive") {
-        if let Ok(certificate) = Certificate::decode(&std::fs::read(&path).unwrap()) {
-            let _ = verify(&certificate.claim(curve_of(&path)), &certificate);
+    let survive = files("survive").into_iter().map(|path| (curve_of(&path), std::fs::read(&path).unwrap()));
+    for (curve, text) in survive.chain(long_texts().map(|text| (file("m98_5_2"), text.into_bytes()))) {
+        if let Ok(certificate) = Certificate::decode(&text) {
+            let _ = verify(&certificate.claim(curve), &certificate);
         }
     }
 }
@@ -306,12 +321,18 @@ fn second_checker_agrees() {
             cases.push((folder("curves").join(format!("{name}.json")), path));
         }
     }
+    let mut keep = |name: &str, i: String, text: String| {
+        let path = scratch.join(format!("{name}__{i}"));
+        std::fs::write(&path, text).unwrap();
+        cases.push((folder("curves").join(format!("{name}.json")), path));
+    };
+    for (i, text) in long_texts().into_iter().enumerate() {
+        keep("m98_5_2", format!("long{i}"), text);
+    }
     for (name, width) in [("m98_5_1_parabola", 1e-6), ("m98_5_2", 1e-2), ("m98_5_3", 1e-2), ("circle_exact", 0.2)] {
         let text = certificate(&file(name), width).encode();
         for (i, mutant) in mutants(&text).into_iter().enumerate().filter(|(i, _)| i % 23 == 0) {
-            let path = scratch.join(format!("{name}__{i}"));
-            std::fs::write(&path, mutant).unwrap();
-            cases.push((folder("curves").join(format!("{name}.json")), path));
+            keep(name, i.to_string(), mutant);
         }
     }
     let list: String = cases.iter().map(|(curve, cert)| format!("{}\t{}\n", curve.display(), cert.display())).collect();

@@ -47,15 +47,14 @@ pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
             .help("run on real hardware: emulators and valgrind are known to break directed rounding"));
     }
     let frame = Frame::new(spine);
-    let job = Job::new(&frame, options);
-    let margin = job.margin;
+    let job = || Job::new(&frame, options);
     let (mut answer, upper) = match &spine.corner {
-        Some(corner) => job.corner(corner.joint),
+        Some(corner) => job().corner(corner.joint),
         None if curvature::straight(&frame) => (straight(options), Upper::None),
-        None => job.run(),
+        None => job().run(),
     };
     if options.certificate {
-        answer.certificate = evidence::certificate(spine, &frame, &answer.delta, upper, margin);
+        answer.certificate = evidence::certificate(spine, &frame, &answer.delta, upper, margin(options));
     }
     Ok(answer)
 }
@@ -96,13 +95,17 @@ fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
     Rim { end_to_body, end_to_end, delta: Enclosure { lo: least(|e| e.lo), hi: least(|e| e.hi) } }
 }
 
+/// The share below a candidate at which the lower bound is tried.
+fn margin(options: &RadiusOptions) -> f64 {
+    0.4 * options.rel_width
+}
+
 struct Job<'a> {
     frame: &'a Frame,
     options: &'a RadiusOptions,
     tree: Tree<'a>,
     exact: Exact<'a>,
     meter: Meter,
-    /// The share below a candidate at which the lower bound is tried.
     margin: f64,
 }
 
@@ -124,8 +127,7 @@ impl<'a> Job<'a> {
             progress: options.progress.clone(),
             stopped: None,
         };
-        let margin = 0.4 * options.rel_width;
-        Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin }
+        Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin: margin(options) }
     }
 
     fn run(mut self) -> (Radius, Upper) {

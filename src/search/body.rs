@@ -11,12 +11,12 @@
 //!   multipliers that cancel the Hessian the bound is off by the third power of the cell, so that whole families of
 //!   critical pairs (circles, parallel strands) close at moderate depth.
 
+use super::apart::{hulls_apart, hulls_apart_along};
 use super::curvature::golden;
-use super::evidence::hulls_apart_along;
 use super::frame::Frame;
 use super::meter::Meter;
 use super::newton::{Candidate, Step, newton_step, partner};
-use super::rules::{Gap, Model, across, bulge, decide, exact_arc, hulls_apart, in_units, one_side, sides, tilted};
+use super::rules::{Gap, Model, across, bulge, decide, exact_arc, in_units, one_side, sides, tilted};
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::integer::ldexp;

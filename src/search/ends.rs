@@ -8,14 +8,15 @@
 //! which also holds the case u = 0 (then a.q != 0 or d.q != 0, and the planes differ). A fixed k per cell leaves a
 //! polynomial in t. The other rules: |q| > 2r, and Lemma L next to the end.
 
+use super::apart::{balls_apart, direction, exact_points};
 use super::body::FLOOR;
 use super::curvature::golden;
 use super::dyadic::{Dyadic, ratio};
-use super::evidence::{Fault, balls_apart, direction, exact_points, planted};
+use super::evidence::{Fault, planted};
 use super::frame::{At, Frame};
 use super::meter::Meter;
 use super::rules::{UNITS, first_true, in_units};
-use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub};
+use super::tree::{Cell, Id, ROUNDING, Tree, V3, cross, dot, norm, sub, unit};
 use super::witness::{Exact, POLISHED};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3};
 use crate::certificate::Node;
@@ -217,10 +218,6 @@ impl<'t, 'f> Search<'t, 'f> {
             let Some((left, right)) = self.tree.children(id) else { break };
             open.extend(if self.end.finish { [left, right] } else { [right, left] });
         }
-        let unit = |v: &V3| {
-            let length = norm(v);
-            v.map(|x| x / length)
-        };
         let here = unit(&self.end.tangent);
         let Some(far) = self.reach.last() else { return here };
         let node = self.tree.node(*far);
@@ -237,10 +234,7 @@ impl<'t, 'f> Search<'t, 'f> {
         }
         let cell = node.cell.as_ref().filter(|c| !c.p.is_empty())?;
         let e = 2.0 * cell.p_err + 8.0 * ROUNDING;
-        let exact = || {
-            let arc = self.tree.frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth);
-            (exact_points(&arc), vec![self.end.exact_point.clone()])
-        };
+        let exact = || (exact_points(&cell.exact(self.tree.frame)), vec![self.end.exact_point.clone()]);
         let end = std::slice::from_ref(&self.end.point);
         if let Some(u) = direction(&q0, &cell.p, end, e, self.radius, exact) {
             return Some(Node::Slab(u));
@@ -333,10 +327,6 @@ impl<'t, 'f> Search<'t, 'f> {
 
     fn terms(&self, segment: usize, t: f64) -> Terms {
         let [c, c1, _] = self.tree.evaluate(segment, t);
-        let unit = |v: &V3| {
-            let l = norm(v);
-            v.map(|x| x / l)
-        };
         let (a, d, q) = (unit(&c1), unit(&self.end.tangent), sub(&c, &self.end.point));
         let u = cross(&d, &a);
         let sq = |x: f64| x * x;
@@ -451,7 +441,7 @@ fn against(cell: &Cell, end: &End) -> Against<f64> {
 }
 
 fn exact_against(frame: &Frame, cell: &Cell, end: &End) -> Against<Int> {
-    exact_arc_against(&frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth), end)
+    exact_arc_against(&cell.exact(frame), end)
 }
 
 fn exact_arc_against(arc: &Bezier, end: &End) -> Against<Int> {

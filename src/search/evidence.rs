@@ -3,18 +3,15 @@
 //! The searches are run once more at the radius that they proved, in the order of the trees, with the rules as the
 //! checker will have them. What is written here claims nothing: it is replayed before it is given out.
 
+use super::apart::{balls_apart, hulls_apart_along, rounded};
 use super::curvature::Strips;
 use super::ends::{Of, Search};
 use super::frame::Frame;
 use super::newton::newton_step;
-use super::rules::{
-    Closed, Gap, Model, Shape, UNITS, across, bulge, decide, exact_arc, hulls_apart, hulls_apart_exactly, one_side,
-    sides, tilted,
-};
-use super::tree::{Cell, Cone, Id, ROUNDING, Tree, V3, norm, sub};
+use super::rules::{Closed, Gap, Model, Shape, UNITS, across, bulge, decide, exact_arc, one_side, sides, tilted};
+use super::tree::{Cell, Cone, Id, Tree, norm, sub, unit};
 use crate::certificate::{EndTree, Node, Which};
-use crate::integer::{Int, decompose, ldexp};
-use crate::spine::Bezier;
+use crate::integer::{Int, ldexp};
 
 /// More nodes are not written: such a certificate would be of no use.
 const MAX_NODES: usize = 2_000_000;
@@ -85,6 +82,7 @@ fn blocks(frame: &Frame, from: usize, to: usize, r: f64, nodes: &mut Vec<Node>) 
 /// No doubly critical pair that is not local has |q| <= 2r.
 pub(crate) fn pairs(tree: &mut Tree, r: f64, margin: f64) -> Option<Vec<Node>> {
     let root = tree.root();
+    let r = if planted(Fault::RadiusForgotten) { 0.0 } else { r };
     let mut pairs = Pairs { tree, r, margin, nodes: vec![] };
     pairs.visit(root, root)?;
     Some(pairs.nodes)
@@ -207,6 +205,7 @@ impl Pairs<'_, '_> {
 /// The end disk of radius r misses every other, but for points whose arc to the end is within 45 degrees of the axis.
 pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
     let root = tree.root();
+    let r = if planted(Fault::RadiusForgotten) { 0.0 } else { r };
     let mut search = Search::new(tree, finish, Of::Disks, r, false, 0.0);
     let axis = rounded(&search.axis_of_local(), 30);
     let direction = unit(&axis.map(|x| x as f64));
@@ -214,7 +213,7 @@ pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
     let mut open = vec![root];
     let mut prefix = true;
     while let Some(id) = open.pop() {
-        let near = search.tree.node(id).cone.about(&direction) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING;
+        let near = search.tree.node(id).cone.within_45_degrees_of(&direction);
         if prefix && (near || planted(Fault::LocalUnproved)) {
             nodes.push(Node::Local);
             continue;
@@ -245,69 +244,12 @@ fn model(tree: &Tree, x: &Cell, y: &Cell) -> Option<Model> {
     Some(Model::of(&step, [hs, ht], bulge(x) + bulge(y)))
 }
 
-fn unit(v: &V3) -> V3 {
-    let length = norm(v);
-    v.map(|x| x / length)
-}
-
-/// The direction of `v` in integers, the largest of about `bits` bits.
-pub(super) fn rounded(v: &V3, bits: i32) -> [i64; 3] {
-    let largest = v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    let (m, e) = decompose(largest);
-    let top = e + 64 - i64::from(m.unsigned_abs().leading_zeros());
-    let whole = v.map(|x| ldexp(x, i64::from(bits) - top).round() as i64);
-    let twos = whole.iter().fold(0i64, |all, x| all | x).trailing_zeros();
-    if twos < 64 { whole.map(|x| x >> twos) } else { whole }
-}
-
-/// The direction `u` in few digits, if two hulls are further than 2r apart along it.
-pub(super) fn direction(
-    u: &V3,
-    p: &[V3],
-    q: &[V3],
-    e: f64,
-    r: f64,
-    exact: impl Fn() -> (Vec<[Int; 4]>, Vec<[Int; 4]>),
-) -> Option<[i64; 3]> {
-    let mut unsure = None;
-    for whole in [10, 24, 52].map(|bits| rounded(u, bits)) {
-        match hulls_apart(p, q, e, &whole.map(|x| x as f64), r) {
-            Some(true) => return Some(whole),
-            Some(false) => {}
-            None => unsure = Some(whole),
-        }
-    }
-    unsure.filter(|u| {
-        let (p, q) = exact();
-        hulls_apart_exactly(&p, &q, u, r)
-    })
-}
-
-/// The same for two cells.
-pub(super) fn hulls_apart_along(frame: &Frame, x: &Cell, y: &Cell, e: f64, u: &V3, r: f64) -> Option<[i64; 3]> {
-    let points = |c: &Cell| exact_points(&frame.segments[c.segment].cell(&c.exact_index(), c.depth));
-    direction(u, &x.p, &y.p, e, r, || (points(x), points(y)))
-}
-
-pub(super) fn exact_points(arc: &Bezier) -> Vec<[Int; 4]> {
-    (0..=arc.degree()).map(|i| arc.point(i)).collect()
-}
-
-/// A direction in which balls of these centres' difference and radii's sum are further than 2r apart.
-pub(super) fn balls_apart(q0: &V3, spread: f64, r: f64) -> Option<[i64; 3]> {
-    [8, 24, 52].iter().map(|bits| rounded(q0, *bits)).find(|u| {
-        let u = unit(&u.map(|x| x as f64));
-        let gap = super::tree::dot(q0, &u) - norm(q0) * ROUNDING - spread * (1.0 + ROUNDING);
-        gap > if planted(Fault::RadiusForgotten) { 0.0 } else { 2.0 * r * (1.0 + ROUNDING) }
-    })
-}
-
 /// An axis about which all tangents of the cones are within 45 degrees, in few digits if that is surely so.
 fn axis_of(cones: &[&Cone]) -> [i64; 3] {
     let both = cones.iter().skip(1).fold(*cones[0], |all, cone| all.with(cone));
     let fits = |axis: &[i64; 3]| {
         let axis = unit(&axis.map(|x| x as f64));
-        cones.iter().all(|cone| cone.about(&axis) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING)
+        cones.iter().all(|cone| cone.within_45_degrees_of(&axis))
     };
     let full = rounded(&both.axis, 52);
     [8, 24].iter().map(|bits| rounded(&both.axis, *bits)).find(fits).unwrap_or(full)

@@ -1,5 +1,6 @@
 //! Everything that finds: f64 first, exact where f64 cannot tell, budgets that only widen.
 
+pub(crate) mod apart;
 pub(crate) mod body;
 pub(crate) mod contact;
 pub(crate) mod curvature;

@@ -1,6 +1,5 @@
 //! The rules that close a pair of cells; see `body` for what each proves.
 
-use super::dyadic::Dyadic;
 use super::frame::{ExactForms, Frame, weight_ratio};
 use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, sub};
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
@@ -208,36 +207,6 @@ pub(crate) fn sides(x: &Cell, y: &Cell, shares: [f64; 2]) -> [f64; 2] {
     sides.map(|side| (side / largest * UNITS).round())
 }
 
-/// Is u.(p - q) > 2r |u| for all p and q, which are off such that p - q is off by at most `e`? `None`: f64 cannot tell.
-pub(crate) fn hulls_apart(p: &[V3], q: &[V3], e: f64, u: &V3, r: f64) -> Option<bool> {
-    let base = &q[0];
-    // every p - base is no longer than this
-    let worst = p.iter().chain(q).map(|p| norm(&sub(p, base))).fold(0.0f64, f64::max);
-    let range = |points: &[V3], pick: fn(f64, f64) -> f64, from: f64| {
-        points.iter().map(|p| dot(&sub(p, base), u)).fold(from, pick)
-    };
-    let gap = range(p, f64::min, f64::INFINITY) - range(q, f64::max, f64::NEG_INFINITY);
-    let size = norm(u);
-    if gap > (2.0 * r * size + e * size) * (1.0 + ROUNDING) + ROUNDING * worst * size {
-        return Some(true);
-    }
-    (gap < (2.0 * r * size - e * size) * (1.0 - ROUNDING) - ROUNDING * worst * size).then_some(false)
-}
-
-/// The same for homogeneous integer points.
-pub(crate) fn hulls_apart_exactly(p: &[[Int; 4]], q: &[[Int; 4]], u: &[i64; 3], r: f64) -> bool {
-    let u = u.map(Int::from);
-    let dot = |a: &[Int]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &u[k]));
-    let size = dot(&u);
-    let (r, square) = (Dyadic::from_f64(2.0 * r), |x: &Int| x * x);
-    let apart = |p: &[Int; 4], q: &[Int; 4]| {
-        let (gap, w) = (&(&dot(p) * &q[3]) - &(&dot(q) * &p[3]), &p[3] * &q[3]);
-        let reach = r.sqr().mul(&Dyadic { m: &square(&w) * &size, e: 0 });
-        w.sign().is_gt() && gap.sign().is_gt() && Dyadic { m: square(&gap), e: 0 }.cmp(&reach).is_gt()
-    };
-    p.iter().all(|p| q.iter().all(|q| apart(p, q)))
-}
-
 /// D = r(s) w(t) - r(t) w(s), from differences of points so that nothing cancels.
 fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
     let (n, m) = (x.p.len() - 1, y.p.len() - 1);
@@ -325,7 +294,7 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
 
 /// The exact arc of a cell.
 pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
-    frame.segments[cell.segment].cell(&cell.exact_index(), cell.depth).forms()
+    cell.exact(frame).forms()
 }
 
 #[cfg(test)]

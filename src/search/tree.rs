@@ -4,6 +4,7 @@
 use super::frame::Frame;
 use crate::bernstein::{Form, UNIT, Vec3};
 use crate::integer::{Int, ldexp};
+use crate::spine::Bezier;
 
 pub(crate) type V3 = [f64; 3];
 
@@ -21,6 +22,11 @@ pub(crate) fn cross(a: &V3, b: &V3) -> V3 {
 
 pub(crate) fn norm(a: &V3) -> f64 {
     dot(a, a).sqrt()
+}
+
+pub(crate) fn unit(a: &V3) -> V3 {
+    let length = norm(a);
+    a.map(|x| x / length)
 }
 
 /// Covers a dozen rounded operations on numbers whose size is put in front of it.
@@ -256,6 +262,11 @@ impl Cone {
         self.cos > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING
     }
 
+    /// Is every vector within 45 degrees of another unit vector?
+    pub(crate) fn within_45_degrees_of(&self, axis: &V3) -> bool {
+        self.about(axis) > std::f64::consts::FRAC_1_SQRT_2 + ROUNDING
+    }
+
     /// Is every vector of one at less than 90 degrees to every vector of the other?
     pub(crate) fn within_90_degrees_of(&self, other: &Self) -> bool {
         // angle + alpha + beta < 90 degrees iff cos(angle + alpha) > sin(beta), the left angle below 90 degrees
@@ -268,7 +279,7 @@ impl Cone {
     }
 
     /// Lower bound for the cosine of the angle between another axis and any vector of the cone.
-    pub(crate) fn about(&self, axis: &V3) -> f64 {
+    fn about(&self, axis: &V3) -> f64 {
         let between = dot(axis, &self.axis).min(1.0);
         if self.cos <= 0.0 || between <= 0.0 {
             return -1.0;
@@ -308,7 +319,7 @@ impl Cell {
         let bezier = if self.depth == 0 {
             whole
         } else {
-            arc = whole.cell(&self.exact_index(), self.depth);
+            arc = self.exact(frame);
             &arc
         };
         let drop = bezier.w.iter().map(|x| x.bits() as i64).max().unwrap_or(0);
@@ -370,8 +381,10 @@ impl Cell {
         })
     }
 
-    pub(crate) fn exact_index(&self) -> Int {
-        Int::from(num_bigint::BigInt::from(self.index))
+    /// The arc of the cell, exactly.
+    pub(crate) fn exact(&self, frame: &Frame) -> Bezier {
+        let index = Int::from(num_bigint::BigInt::from(self.index));
+        frame.segments[self.segment].cell(&index, self.depth)
     }
 
     fn halves(&self) -> (Self, Self) {
@@ -493,10 +506,6 @@ impl Cell {
     /// A cone round the control vectors of the hodograph, hence round all tangents.
     fn cone(&self) -> Cone {
         let unknown = Cone::UNKNOWN;
-        let unit = |a: &V3| {
-            let length = norm(a);
-            a.map(|x| x / length)
-        };
         let (first, last) = (unit(&self.a[0]), unit(&self.a[self.a.len() - 1]));
         let axis = unit(&std::array::from_fn(|k| first[k] + last[k]));
         if !axis.iter().all(|x| x.is_finite()) {
