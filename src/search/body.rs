@@ -43,6 +43,7 @@ pub(crate) struct Outcome {
 /// doubly critical pair met.
 pub(crate) fn body_to_body(tree: &mut Tree, start: f64, margin: f64, meter: &mut Meter) -> Outcome {
     let (start, exact) = (start.min(BEYOND), Exact::new(tree.frame));
+    let floor = FLOOR.min(1e-3 * start);
     let mut search = Search { tree, exact, radius: start, margin, candidate: None };
     let root = search.tree.root();
     let mut open = BinaryHeap::from([Reverse((0u64, root, root))]);
@@ -51,7 +52,7 @@ pub(crate) fn body_to_body(tree: &mut Tree, start: f64, margin: f64, meter: &mut
         if bound > 2.0 * search.radius {
             break; // the least bound first: all that is left is further apart
         }
-        if search.radius < FLOOR {
+        if search.radius < floor {
             return Outcome { radius: 0.0, candidate: search.candidate };
         }
         if !meter.tick() {

@@ -57,7 +57,7 @@ pub(crate) fn end_to_body(
     let mut search = Search::new(tree, finish, of, start, own_term, margin);
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
-        if search.radius < FLOOR {
+        if search.radius < FLOOR.min(1e-3 * start) {
             return (0.0, search.contact);
         }
         if search.closed(id) {
