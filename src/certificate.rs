@@ -57,10 +57,26 @@ pub(crate) struct EndTree {
 #[allow(clippy::large_enum_variant, reason = "there is one in a certificate")]
 pub(crate) enum Upper {
     None,
-    Curvature { span: usize, t: Rational },
+    Curvature {
+        span: usize,
+        t: Rational,
+    },
     Corner(usize),
-    Contact { x: [Rational; 3], feet: [Foot; 2] },
-    Crossing { arcs: [SpanArc; 2], normal: [Rational; 3], first: [Rational; 3], second: [Rational; 3] },
+    Contact {
+        x: [Rational; 3],
+        feet: [Foot; 2],
+    },
+    Crossing {
+        arcs: [SpanArc; 2],
+        normal: [Rational; 3],
+        first: [Rational; 3],
+        second: [Rational; 3],
+    },
+    /// The second arc may run back: `from` > `to`.
+    Mirror {
+        arcs: [SpanArc; 2],
+        normal: [Rational; 3],
+    },
 }
 
 /// Where a point lies in a normal plane of the spine: exactly at a position, or somewhere between two.

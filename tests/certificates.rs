@@ -106,6 +106,8 @@ fn other_shapes() {
         alpha(q(3, 2000)),
         alpha(int(0)),
         figure_eight(),
+        butterfly(),
+        glide(),
         bulb(q(1, 100)),
         faced(q(1, 10)),
         peanut(q(1, 10)),
@@ -231,6 +233,7 @@ fn mutants_of_rational_and_planar_spines() {
 fn mutants_of_self_contacts() {
     mutants_prove_nothing_false(&bezier_int(&[[0, 0, 0], [7, 5, 0], [-3, 6, 0], [4, 0, 0]]), 1e-6);
     mutants_prove_nothing_false(&alpha(int(0)), 1e-6);
+    mutants_prove_nothing_false(&butterfly(), 1e-6);
     mutants_prove_nothing_false(&bezier_int(&[[0, 0, 0], [3, 1, 0], [-3, 1, 1], [0, 0, 0]]), 1e-6);
 }
 
@@ -324,14 +327,27 @@ fn second_checker_agrees() {
     let mut keep = |name: &str, i: String, text: String| {
         let path = scratch.join(format!("{name}__{i}"));
         std::fs::write(&path, text).unwrap();
-        cases.push((folder("curves").join(format!("{name}.json")), path));
+        let own = scratch.join(format!("{name}.json"));
+        let curve = if own.exists() { own } else { folder("curves").join(format!("{name}.json")) };
+        cases.push((curve, path));
     };
     for (i, text) in long_texts().into_iter().enumerate() {
         keep("m98_5_2", format!("long{i}"), text);
     }
-    for (name, width) in [("m98_5_1_parabola", 1e-6), ("m98_5_2", 1e-2), ("m98_5_3", 1e-2), ("circle_exact", 0.2)] {
-        let text = certificate(&file(name), width).encode();
-        for (i, mutant) in mutants(&text).into_iter().enumerate().filter(|(i, _)| i % 23 == 0) {
+    let loose = |name, width| (name, certificate(&file(name), width));
+    let mut sampled = [("m98_5_1_parabola", 1e-6), ("m98_5_2", 1e-2), ("m98_5_3", 1e-2), ("circle_exact", 0.2)]
+        .map(|(name, width)| loose(name, width))
+        .to_vec();
+    let crossing = bezier_int(&[[0, 0, 0], [7, 5, 0], [-3, 6, 0], [4, 0, 0]]);
+    for (name, curve) in [("crossing", crossing), ("butterfly", butterfly()), ("alpha", alpha(int(0)))] {
+        std::fs::write(scratch.join(format!("{name}.json")), curve.to_json()).unwrap();
+        sampled.push((name, certificate(&curve, 1e-2)));
+    }
+    for (name, certificate) in sampled {
+        let mutants = mutants(&certificate.encode());
+        // all of a short one
+        let step = if mutants.len() < 300 { 1 } else { 23 };
+        for (i, mutant) in mutants.into_iter().enumerate().step_by(step) {
             keep(name, i.to_string(), mutant);
         }
     }

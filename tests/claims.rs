@@ -389,6 +389,16 @@ fn crossing_anywhere_in_the_plane() {
     touching(&bezier_int(&[[0, 0, 0], [7, 5, 0], [-3, 6, 0], [4, 0, 0]]), LimitedBy::SelfContact);
 }
 
+/// In space, at irrational parameters: what makes the strands meet is their symmetry.
+#[test]
+fn mirror_images_that_meet() {
+    for curve in [butterfly(), glide()] {
+        ordered(&touching(&curve, LimitedBy::SelfContact));
+        let other = rotated(&scaled(&curve, &q(1, 3)), [2, 1, -3, 1]);
+        ordered(&touching(&moved(&other, &[int(1000), q(1, 7), int(-5)]), LimitedBy::SelfContact));
+    }
+}
+
 /// y = t^2, x = t^3 - t from t = -1 (the crossing) to 3/2: the end of the spine lies on its body.
 fn end_on_the_body() -> Curve {
     from_powers([&[int(0), int(-1), int(0), int(1)], &[int(0), int(0), int(1)], &[int(0)]], &int(-1), &q(3, 2))

@@ -60,6 +60,10 @@ impl Certificate {
             tree(format!("{name} {x} {y} {z}\n"), &end.nodes);
         }
         let list = |v: &[Rational]| v.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ");
+        let both = |[s, t]: &[SpanArc; 2]| {
+            let arc = |a: &SpanArc| format!("{} {}", a.span, list(&[a.from.clone(), a.to.clone()]));
+            format!("{} {}", arc(s), arc(t))
+        };
         out += &match &self.upper {
             Upper::None => "upper none\n".to_string(),
             Upper::Curvature { span, t } => format!("upper curvature {span} {}\n", to_fraction_text(t)),
@@ -71,11 +75,11 @@ impl Certificate {
                 };
                 format!("upper contact {}\n{}", list(x), feet.iter().map(foot).collect::<String>())
             }
-            Upper::Crossing { arcs: [s, t], normal, first, second } => {
-                let arc = |a: &SpanArc| format!("{} {}", a.span, list(&[a.from.clone(), a.to.clone()]));
+            Upper::Crossing { arcs, normal, first, second } => {
                 let [n, e, f] = [normal, first, second].map(|v| list(v));
-                format!("upper crossing {} {}\nnormal {n}\nfirst {e}\nsecond {f}\n", arc(s), arc(t))
+                format!("upper crossing {}\nnormal {n}\nfirst {e}\nsecond {f}\n", both(arcs))
             }
+            Upper::Mirror { arcs, normal } => format!("upper mirror {}\nnormal {}\n", both(arcs), list(normal)),
         };
         out + "end\n"
     }
@@ -221,19 +225,18 @@ impl<'a> Lines<'a> {
                 let x = self.rationals([x, y, z])?;
                 Ok(Upper::Contact { x, feet: [self.foot()?, self.foot()?] })
             }
-            ["crossing", i, s0, s1, j, t0, t1] => {
+            [kind @ ("crossing" | "mirror"), i, s0, s1, j, t0, t1] => {
                 let [s0, s1, t0, t1] = self.rationals([s0, s1, t0, t1])?;
                 let arcs = [
                     SpanArc { span: self.index(i)?, from: s0, to: s1 },
                     SpanArc { span: self.index(j)?, from: t0, to: t1 },
                 ];
                 let mut vector = |name| self.fields(name).and_then(|fields| self.rationals(fields));
-                Ok(Upper::Crossing {
-                    arcs,
-                    normal: vector("normal")?,
-                    first: vector("first")?,
-                    second: vector("second")?,
-                })
+                let normal = vector("normal")?;
+                if kind == "mirror" {
+                    return Ok(Upper::Mirror { arcs, normal });
+                }
+                Ok(Upper::Crossing { arcs, normal, first: vector("first")?, second: vector("second")? })
             }
             _ => Err(self.error("no witness of this kind")),
         }

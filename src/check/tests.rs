@@ -300,7 +300,31 @@ fn crossing() {
     let signs = "the coefficients on opposite sides have no opposite strict signs";
     assert_eq!(changed(witness(["0", "0.01"], ["0.85", "0.95"])), signs);
     assert_eq!(changed(witness(["0.85", "0.95"], ["0.05", "0.15"])), "the two arcs are not apart on the spine");
-    assert_eq!(changed(witness(["0.15", "0.05"], ["0.85", "0.95"])), "an arc is not within its span");
+    assert_eq!(changed(witness(["0.15", "0.15"], ["0.85", "0.95"])), signs);
+    assert_eq!(changed(witness(["0.05", "0.15"], ["0.85", "1.95"])), "an arc is not within its span");
+    // run back, an arc is the same set of points
+    accepted("crossing", &curve, "0", Some("0"), witness(["0.15", "0.05"], ["0.85", "0.95"]));
+}
+
+#[test]
+fn mirror() {
+    // its own image by x -> -x; x = 0 at s = (1 - 1/sqrt 3)/2 = 0.211.. and at 1 - s
+    let curve = curve(
+        r#"{"degree": 4, "control_points": [[4, -19, -11], [-4, -24, 8], [0, 8, 0], [4, -24, 8], [-4, -19, -11]]}"#,
+    );
+    let witness = |s: [&str; 2], t: [&str; 2], x: &str, y: &str| Upper::Mirror {
+        arcs: [s, t].map(|[from, to]| SpanArc { span: 0, from: q(from), to: q(to) }),
+        normal: [q(x), q(y), q("0")],
+    };
+    let (s, t) = (["0.2", "0.25"], ["0.8", "0.75"]);
+    let (certificate, _) = accepted("mirror", &curve, "0", Some("0"), witness(s, t, "-1/3", "0"));
+    let changed = |upper| refused(&curve, &Certificate { upper, ..certificate.clone() }).why;
+    let not_along = "the points of equal parameters are not along the normal";
+    assert_eq!(changed(witness(s, ["0.75", "0.8"], "1", "0")), not_along);
+    assert_eq!(changed(witness(s, t, "1", "1/9")), not_along);
+    assert_eq!(changed(witness(s, t, "0", "0")), "the arcs do not change sides");
+    assert_eq!(changed(witness(["0.1", "0.2"], ["0.9", "0.8"], "1", "0")), "the arcs do not change sides");
+    assert_eq!(changed(witness(["0.2", "0.5"], ["0.8", "0.5"], "1", "0")), "the two arcs are not apart on the spine");
 }
 
 #[test]

@@ -25,6 +25,7 @@ pub(super) fn upper(spine: &Spine, upper: &Upper, hi: Option<&Rational>) -> Resu
         }
         Upper::Contact { x, feet } => contact(spine, x, feet, &limit),
         Upper::Crossing { arcs, normal, first, second } => crossing(spine, arcs, [normal, first, second]),
+        Upper::Mirror { arcs, normal } => mirror(spine, arcs, normal),
     }
 }
 
@@ -119,8 +120,7 @@ fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], limit: &Squared) 
 fn arc(spine: &Spine, SpanArc { span, from, to }: &SpanArc) -> Result<([Poly; 3], Poly), Why> {
     let piece = spine.spans.get(*span).ok_or(NO_SPAN)?;
     let [zero, one] = [Rational::zero(), Rational::one()];
-    let inside = within(from, &zero, &one) && within(to, &zero, &one) && compare(from, to).is_lt();
-    check(inside, "an arc is not within its span")?;
+    check(within(from, &zero, &one) && within(to, &zero, &one), "an arc is not within its span")?;
     let (a, b, q) = (from.numer() * to.denom(), to.numer() * from.denom(), from.denom() * to.denom());
     let part = |f: &Poly| f.between(&a, &b, &q);
     let w = part(&piece.full_weight());
@@ -128,20 +128,39 @@ fn arc(spine: &Spine, SpanArc { span, from, to }: &SpanArc) -> Result<([Poly; 3]
     Ok((piece.r.each_ref().map(part), w))
 }
 
-fn crossing(spine: &Spine, arcs: &[SpanArc; 2], vectors: [&[Rational; 3]; 3]) -> Result<(), Why> {
-    let [s, t] = arcs;
-    let [(r, v), (q, w)] = [arc(spine, s)?, arc(spine, t)?];
-    let place = |arc: &SpanArc, t: &Rational| t + Rational::from_integer(arc.span.into());
-    let count = Rational::from_integer(spine.spans.len().into());
-    let apart = compare(&place(s, &s.to), &place(t, &t.from)).is_lt();
-    let around = !spine.closed || compare(&place(t, &t.to), &(place(s, &s.from) + count)).is_lt();
-    check(apart && around, "the two arcs are not apart on the spine")?;
-
-    // a positive multiple of a vector is as good
-    let [normal, first, second] = vectors.map(|[x, y, z]| {
-        let common = x.denom() * y.denom() * z.denom();
-        [x, y, z].map(|c| Poly(vec![c.numer() * (&common / c.denom())]))
+/// Two arcs, the first before the second; either may run back.
+fn two_arcs(spine: &Spine, arcs: &[SpanArc; 2]) -> Result<[([Poly; 3], Poly); 2], Why> {
+    let ends = arcs.each_ref().map(|arc| {
+        let [from, to] = [&arc.from, &arc.to].map(|t| t + Rational::from_integer(arc.span.into()));
+        if compare(&from, &to).is_lt() { (from, to) } else { (to, from) }
     });
+    let [(first, last), (next, end)] = ends;
+    let around = !spine.closed || compare(&end, &(first + Rational::from_integer(spine.spans.len().into()))).is_lt();
+    check(compare(&last, &next).is_lt() && around, "the two arcs are not apart on the spine")?;
+    let [s, t] = arcs;
+    Ok([arc(spine, s)?, arc(spine, t)?])
+}
+
+/// A positive multiple of a vector.
+fn constant([x, y, z]: &[Rational; 3]) -> [Poly; 3] {
+    let common = x.denom() * y.denom() * z.denom();
+    [x, y, z].map(|c| Poly(vec![c.numer() * (&common / c.denom())]))
+}
+
+/// D of equal parameters is parallel to the normal and changes its side, so it is 0 for some.
+fn mirror(spine: &Spine, arcs: &[SpanArc; 2], normal: &[Rational; 3]) -> Result<(), Why> {
+    let ([(r, v), (q, w)], normal) = (two_arcs(spine, arcs)?, constant(normal));
+    let d = zip(r.each_ref(), q.each_ref(), |r, q| r.times(&w).minus(q.times(&v)));
+    check(cross(&d, &normal).iter().all(Poly::is_zero), "the points of equal parameters are not along the normal")?;
+    let side = dot(&d, &normal);
+    let signs = [side.0.first(), side.0.last()].map(|c| c.map_or(Sign::NoSign, BigInt::sign));
+    let opposite = signs == [Sign::Plus, Sign::Minus] || signs == [Sign::Minus, Sign::Plus];
+    check(opposite, "the arcs do not change sides")
+}
+
+fn crossing(spine: &Spine, arcs: &[SpanArc; 2], vectors: [&[Rational; 3]; 3]) -> Result<(), Why> {
+    let [(r, v), (q, w)] = two_arcs(spine, arcs)?;
+    let [normal, first, second] = vectors.map(constant);
     check(!dot(&normal, &cross(&first, &second)).is_zero(), "the determinant is 0")?;
     let level = |f: &[Poly; 3]| dot(f, &normal);
     let (height, other) = (level(&r), level(&q));

@@ -6,7 +6,7 @@ use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
 use crate::certificate::{Foot, SpanArc, Upper};
-use crate::integer::Int;
+use crate::integer::{Int, exact_div, gcd};
 use crate::number::{Rational, compare};
 use crate::spine::Bezier;
 use num_bigint::BigInt;
@@ -46,7 +46,7 @@ impl Exact<'_> {
             let upper = self.one_point(&s, &t);
             return Some(touch(&around(&s)?, &around(&t)?, upper));
         }
-        let ([s, t], upper) = self.crosses(pair)?;
+        let ([s, t], upper) = self.crosses(pair).or_else(|| self.mirrored(pair))?;
         Some(touch(&s, &t, upper))
     }
 
@@ -123,6 +123,37 @@ impl Exact<'_> {
         Some([around(s)?, around(t)?])
     }
 
+    /// Two arcs that are mirror images, near the candidate, and pass through their mirror: D of equal parameters keeps one
+    /// direction and changes its side. The second arc runs back, or as the first.
+    fn mirrored(&mut self, pair: &Candidate) -> Option<([Strand; 2], Upper)> {
+        let (low, high) = if pair.s <= pair.t { (pair.s, pair.t) } else { (pair.t, pair.s) };
+        let s = truncated(&Dyadic::from_f64(low.1), 60);
+        for (back, t) in [(true, Dyadic::ONE.sub(&s)), (false, s.clone())] {
+            let expected = if back { 1.0 - low.1 } else { low.1 };
+            if (high.1 - expected).abs() > 1e-6 {
+                continue;
+            }
+            let centre = [At { segment: low.0, t: s.clone() }, At { segment: high.0, t: t.clone() }];
+            let widths = [44, 34, 28].into_iter();
+            let found = widths.filter_map(|j| self.boxed(&centre, j)).find_map(|[x, y]| {
+                let arc = |strand: &Strand, back: bool| {
+                    let [from, to] = strand.ends.each_ref().map(|at| at.t.clone());
+                    let (from, to) = if back { (to, from) } else { (from, to) };
+                    (strand.arcs.len() == 1).then_some((strand.ends[0].segment, from, to))
+                };
+                let arcs = [arc(&x, false)?, arc(&y, back)?];
+                let [image, other] = arcs.each_ref().map(|(k, from, to)| self.frame.segments[*k].arc(from, to));
+                let normal = through_mirror(&image, &other)?.map(|x| Rational::from(x.big()));
+                let arcs = arcs.map(|(span, from, to)| SpanArc { span, from: from.rational(), to: to.rational() });
+                Some(([x, y], Upper::Mirror { arcs, normal }))
+            });
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
+    }
+
     /// A planar spine that crosses itself near the candidate: D = 0 in a box, by Miranda.
     fn crosses(&mut self, pair: &Candidate) -> Option<([Strand; 2], Upper)> {
         let (normal, [i, k]) = plane(self.frame)?;
@@ -183,6 +214,21 @@ fn crossing([s, t]: [&Strand; 2], normal: [Rational; 3], [first, second]: [[Rati
     } else {
         Upper::Crossing { arcs: [arc(t), arc(s)], normal, first: second, second: first }
     }
+}
+
+/// The direction of D = r w' - r' w of two arcs at equal parameters, if it is one all along and D changes its side.
+fn through_mirror(x: &Bezier, y: &Bezier) -> Option<[Int; 3]> {
+    let (x, y) = (x.forms(), y.forms());
+    let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
+    let last = d[0].c.len() - 1;
+    let at = |i: usize| d.each_ref().map(|d| d.c[i].clone());
+    let (first, end) = (at(0), at(last));
+    let dot = |u: &[Int; 3], v: &[Int; 3]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&u[k] * &v[k]));
+    let parallel = |v: &[Int; 3]| (0..3).all(|k| &first[k] * &v[(k + 1) % 3] == &first[(k + 1) % 3] * &v[k]);
+    ((0..=last).all(|i| parallel(&at(i))) && dot(&first, &end).sign().is_lt()).then(|| {
+        let common = first.iter().fold(Int::ZERO, |g, c| gcd(&g, c));
+        first.map(|c| exact_div(&c, &common))
+    })
 }
 
 fn times(mut arc: Bezier, factor: &Int) -> Bezier {

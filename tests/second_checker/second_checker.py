@@ -111,7 +111,8 @@ NODES = {"/": [], "1": [], "2": [], "curved": [], "local": [], "share": [small],
 # Section 6: those of a witness; and for each line that follows it the keywords allowed, with theirs.
 VECTOR, FEET = [rational] * 3, {"plane": [rational], "valley": [rational] * 3}
 WITNESSES = {"none": ([], []), "curvature": ([index, rational], []), "corner": ([index], []), "contact": (VECTOR, [FEET, FEET]),
-             "crossing": ([index, rational, rational] * 2, [{name: VECTOR} for name in ("normal", "first", "second")])}
+             "crossing": ([index, rational, rational] * 2, [{name: VECTOR} for name in ("normal", "first", "second")]),
+             "mirror": ([index, rational, rational] * 2, [{"normal": VECTOR}])}
 
 class Certificate:
     """Digest, bounds, for every section the vector and the nodes of its tree, and the witness."""
@@ -415,7 +416,9 @@ def check_upper(witness, spine, hi):
         (first, last), (first2, last2) = (check_foot(line, fields, spine, hi) for line in lines)
         need(last < first2 and (not spine.closed or last2 < first + spine.n), "upper contact: not apart")
     elif kind == "crossing":
-        check_crossing(*fields, *lines, spine)
+        check_crossing(two_arcs(*fields, spine), *lines)
+    elif kind == "mirror":
+        check_mirror(two_arcs(*fields, spine), *lines)
 
 def check_foot(line, x, spine, hi):
     """A plane (one position) or a valley (three).  Answers its first and its last position."""
@@ -429,15 +432,28 @@ def check_foot(line, x, spine, hi):
         need(squares[1] < squares[0] and squares[1] < squares[2], "valley: not nearer than both ends")
     return line[0], line[-1]
 
-def check_crossing(I, S0, S1, J, T0, T1, normal, first, second, spine):
-    need(I < spine.n and J < spine.n and 0 <= S0 < S1 <= 1 and 0 <= T0 < T1 <= 1, "crossing: no such arcs")
-    need(I + S1 < J + T0 and (not spine.closed or J + T1 < I + S0 + spine.n), "crossing: the arcs are not apart")
-    need(dot(normal, cross(first, second)) != 0, "crossing: the three vectors are dependent")
+def two_arcs(I, S0, S1, J, T0, T1, spine):
+    """Of crossing and mirror."""
+    need(I < spine.n and J < spine.n and all(0 <= x <= 1 for x in (S0, S1, T0, T1)), "crossing, mirror: no such arcs")
+    ((first, last), (first2, last2)) = sorted((I + S0, I + S1)), sorted((J + T0, J + T1))
+    need(last < first2 and (not spine.closed or last2 < first + spine.n), "crossing, mirror: the arcs are not apart")
     def part(span, start, end):
         n = len(span.weights) - 1
         return Piece(segment(span.lines, [Fraction(0)] * n + [Fraction(1)] * n, start, end), span.flat, start, end)
-    A, B = part(spine.spans[I], S0, S1), part(spine.spans[J], T0, T1)
-    need(weights_positive((A, B)), "crossing: a weight that is not positive")
+    arcs = part(spine.spans[I], S0, S1), part(spine.spans[J], T0, T1)
+    need(weights_positive(arcs), "crossing, mirror: a weight that is not positive")
+    return arcs
+
+def check_mirror(arcs, normal):
+    A, B = arcs
+    D = [f * B.w - A.w * g for f, g in zip(A.r, B.r)]
+    side = dot(D, normal)
+    need(not any(map(any, cross(D, normal))), "mirror: not along the normal")
+    need(side[0] * side[-1] < 0, "mirror: no change of sides")
+
+def check_crossing(arcs, normal, first, second):
+    A, B = arcs
+    need(dot(normal, cross(first, second)) != 0, "crossing: the three vectors are dependent")
     need(len(set(heights((A, B), normal))) == 1, "crossing: not in one plane")
     D, _ = difference(A, B)
     for rows in dot(D, first), [Poly(row) for row in zip(*dot(D, second))]:

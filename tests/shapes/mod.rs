@@ -177,6 +177,21 @@ pub fn figure_eight() -> Curve {
     )
 }
 
+/// A spine in space that is its own mirror image, the start that of the finish: it passes through the mirror x = 0 at
+/// irrational parameters, and there through itself.
+pub fn butterfly() -> Curve {
+    let points = [[4, -19, -11], [-4, -24, 8], [0, 8, 0], [4, -24, 8], [-4, -19, -11]];
+    bezier_int(&points)
+}
+
+/// A closed spine twice round in space, its second turn the mirror image of its first: it passes through the mirror z = 0
+/// at irrational parameters, and there through itself.
+pub fn glide() -> Curve {
+    let turn = [[3, 0, 2], [2, 3, 1], [-2, 4, -1], [-4, 0, 1], [-2, -3, -3], [2, -4, 1]];
+    let points = [1, -1].iter().flat_map(|side| turn.map(|[x, y, z]| [x, y, side * z].map(int)));
+    periodic(3, &points.collect::<Vec<_>>())
+}
+
 /// Uniform periodic B-spline.
 pub fn periodic(degree: usize, points: &[Point]) -> Curve {
     let n = points.len();
