@@ -339,6 +339,34 @@ fn quarter_circles_have_no_end_terms() {
     assert!(answer.complete);
 }
 
+/// Of ends that are mirror images the rims meet on a line, and so at radii far below those of the rims nearby.
+#[test]
+fn rims_of_mirrored_ends() {
+    let spine = Spine::from_curve(butterfly()).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer");
+    let rim = answer.rim.as_ref().expect("rim terms");
+    assert!(answer.complete && rim.end_to_body.is_within(1e-9), "{answer:?}");
+    assert_eq!(rim.end_to_body.hi, rim.end_to_end.hi);
+}
+
+/// A planar spine ends square to its own straight run, a millionth away: the rims meet it a millionth to each side.
+#[test]
+fn planar_rims_at_a_small_gap() {
+    let gap = power(10, -6);
+    let path = Path::from(plane(int(-3), int(0)))
+        .line(plane(int(3), int(0)))
+        .quarter(plane(int(4), int(0)), plane(int(4), int(1)))
+        .quarter(plane(int(4), int(2)), plane(int(3), int(2)))
+        .line(plane(int(1), int(2)))
+        .quarter(plane(int(0), int(2)), plane(int(0), int(1)))
+        .line(plane(int(0), gap.clone()));
+    let spine = Spine::from_curve(path.curve()).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer");
+    let rim = answer.rim.as_ref().expect("rim terms").end_to_body;
+    assert!(answer.complete && rim.is_within(1e-9), "{answer:?}");
+    assert!(oracle::exact(rim.lo) <= gap && gap <= oracle::exact(rim.hi), "{answer:?}");
+}
+
 /// Two straight strands of which one ends on the other, at a rational parameter, with a common tangent.
 #[test]
 fn touch_without_crossing() {

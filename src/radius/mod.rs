@@ -325,13 +325,20 @@ impl<'a> Job<'a> {
             *rim = Some(rim_of(terms, Enclosure::INFINITE, Enclosure::INFINITE));
             return complete;
         }
+        let (start, finish) = (self.exact.end(false), self.exact.end(true));
+        let not_local = self.exact.not_local(&start, &finish);
+        let [of_disks, of_rims] = [Of::Disks, Of::Rims].map(|of| self.exact.meeting(&start, &finish, of));
         let mut all_local = false;
         let on_body = terms.end_to_body.hi == 0.0;
-        let mut both = |of: Of| {
+        let mut both = |of: Of, ends: Option<(f64, f64)>| {
             if on_body {
                 return Enclosure::ZERO;
             }
-            let (mut lo, mut hi, mut met) = (f64::INFINITY, f64::INFINITY, true);
+            // the other end is a point of the body; there rims that meet on a line say nothing about those nearby
+            let ends = ends.filter(|_| not_local);
+            let (mut lo, mut hi) =
+                ends.map_or((f64::INFINITY, f64::INFINITY), |(lo, hi)| (lo * (1.0 - self.margin), hi));
+            let mut met = true;
             for side in [false, true] {
                 let (proved, contact) = self.end_to_body(side, of, lo.min(1e9), true);
                 // then the pair of both ends is local as well
@@ -349,18 +356,15 @@ impl<'a> Job<'a> {
             complete &= term.is_within(width) || (frontier && self.meter.stopped.is_none());
             term
         };
-        terms.end_to_body = terms.end_to_body.and(&both(Of::Disks));
-        let rim_body = both(Of::Rims);
-        let (start, finish) = (self.exact.end(false), self.exact.end(true));
-        let not_local = self.exact.not_local(&start, &finish);
-        let mut both_ends = |of: Of| {
-            let met = if all_local { None } else { self.exact.meeting(&start, &finish, of) };
-            let (lo, hi) = met.unwrap_or((f64::INFINITY, f64::INFINITY));
+        terms.end_to_body = terms.end_to_body.and(&both(Of::Disks, of_disks));
+        let rim_body = both(Of::Rims, of_rims);
+        let both_ends = |met: Option<(f64, f64)>| {
+            let (lo, hi) = met.filter(|_| !all_local).unwrap_or((f64::INFINITY, f64::INFINITY));
             // a pair that may be local or not has this value or none
             self.enclosure(lo, if not_local { hi } else { f64::INFINITY })
         };
-        terms.end_to_end = both_ends(Of::Disks);
-        let rim_ends = both_ends(Of::Rims);
+        terms.end_to_end = both_ends(of_disks);
+        let rim_ends = both_ends(of_rims);
         complete &= terms.end_to_end.is_within(width) && rim_ends.is_within(width);
         *rim = Some(rim_of(terms, rim_body, rim_ends));
         complete

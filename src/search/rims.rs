@@ -29,8 +29,13 @@ impl DiskPair {
         if self.parallel() {
             return self.parallel_sq();
         }
+        Some(self.line_sq())
+    }
+
+    /// The squared distance of the first centre to the common line of two planes that are not parallel.
+    fn line_sq(&self) -> (Dyadic, Dyadic) {
         let line = dot3(&self.a, &self.q).sqr().mul(&dot3(&self.d, &self.d));
-        Some((line, dot3(&self.u, &self.u).mul(&self.w.sqr())))
+        (line, dot3(&self.u, &self.u).mul(&self.w.sqr()))
     }
 }
 
@@ -66,30 +71,40 @@ impl Exact<'_> {
         Some((lo, hi))
     }
 
-    /// Rims of a planar spine: M changes sign within 2^-28 of the candidate or less, and the common line is within `r` of the
-    /// end all the way; returns r.
+    /// Rims of a planar spine: M changes sign near the candidate, and the common line is within `r` of the end all the
+    /// way; returns r.
     pub(crate) fn planar_rims(&mut self, contact: &Contact) -> Option<f64> {
         plane(self.frame)?;
         let e = self.end(contact.finish);
         let (segment, t) = contact.t;
-        for j in [44, 36, 28] {
+        let mut vector = |t: &Dyadic| self.disk_pair(&e, &At { segment, t: t.clone() }).rim_vector();
+        let opposite = |u: &[Dyadic; 3], v: &[Dyadic; 3]| {
+            let signs = |w: &[Dyadic; 3]| w.each_ref().map(|x| x.m.sign());
+            signs(u).iter().zip(signs(v)).any(|(u, v)| u.is_ne() && *u == v.reverse())
+        };
+        let bracket = [44, 36, 28].into_iter().find_map(|j| {
             let (from, to) = (Dyadic::from_f64(t).sub(&step(j)), Dyadic::from_f64(t).add(&step(j)));
             let inside = from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le();
-            if !inside {
-                continue;
-            }
-            let signs = [&from, &to].map(|t| {
-                let pair = self.disk_pair(&e, &At { segment, t: t.clone() });
-                pair.rim_vector().map(|x| x.m.sign())
-            });
-            if (0..3).any(|k| signs[0][k].is_ne() && signs[0][k] == signs[1][k].reverse()) {
-                let near = contact.radius;
-                let arc = self.frame.segments[segment].arc(&from, &to);
-                let within = |r: &f64| super::ends::line_within(self.frame, contact.finish, &arc, *r);
-                return [1e-15, 1e-13, 1e-11, 1e-10].map(|x| near * (1.0 + x)).iter().find(|r| within(r)).copied();
+            (inside && opposite(&vector(&from), &vector(&to))).then_some((from, to))
+        });
+        let (mut from, mut to) = bracket?;
+        // f64 places a contact at a small distance only so well
+        for _ in 0..40 {
+            let middle = from.add(&to).mul(&step(1));
+            let at_middle = vector(&middle);
+            if opposite(&vector(&from), &at_middle) {
+                to = middle;
+            } else if opposite(&at_middle, &vector(&to)) {
+                from = middle;
+            } else {
+                break;
             }
         }
-        None
+        let (line, den) = self.disk_pair(&e, &At { segment, t: from.clone() }).line_sq();
+        let near = ratio(&line, &den).sqrt();
+        let arc = self.frame.segments[segment].arc(&from, &to);
+        let within = |r: &f64| super::ends::line_within(self.frame, contact.finish, &arc, *r);
+        [1e-15, 1e-13, 1e-11, 1e-10].map(|x| near * (1.0 + x)).into_iter().find(within)
     }
 
     /// Some two tangents of the arc between an end and t are more than 90 degrees apart: the pair is not local.
