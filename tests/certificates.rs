@@ -167,7 +167,10 @@ fn mutants(text: &str) -> Vec<String> {
                 ["0", "1", "-1", "inf", "/", "2", "curved", "local", "side 1 0", "side 0 1", "none"]
                     .map(String::from)
                     .to_vec();
-            values.extend(["bent 524288 524288 0 0 0 0", "slab 1 0 0", "cone 1 1 1", "share 524288"].map(String::from));
+            values.extend(
+                ["bent 2147483648 2147483648 0 0 0 0", "slab 1 0 0", "cone 1 1 1", "share 2147483648"]
+                    .map(String::from),
+            );
             values.push(String::new());
             if let Ok(x) = parse_rational(field) {
                 let near = [

@@ -642,6 +642,14 @@ fn few_cells() {
         .collect();
     let knots = [0; 3].into_iter().chain(0..=117).chain([117; 3]).map(int).collect();
     within(&Curve::new(3, steps, None, Some(knots)).expect("a curve"), 40_000);
+    // half circles of nearly one radius, a thousandth apart
+    let (far, near) = (|x: i64| plane(int(x), int(0)), |y: i64| plane(int(0), int(y)));
+    let (radius, turn) = (q(1999, 1000), plane(q(-3999, 2000), int(0)));
+    let strands = Path::from(far(2))
+        .half(&far(0), &near(2))
+        .half(&turn, &plane(turn[0].clone(), q(-1, 2000)))
+        .half(&far(0), &plane(int(0), radius));
+    within(&strands.curve(), 400_000);
     // a trefoil in one segment that runs through most of its length near the middle of its parameter
     let knot = r#"{"degree": 6, "control_points": [
             ["3071200/40972801", "-122803201/40972801", "19650560480/262266899201"],

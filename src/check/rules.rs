@@ -16,7 +16,7 @@ pub(super) type Why = &'static str;
 const NOT_POSITIVE: Why = "a coefficient is not positive";
 const WEIGHTS: Why = "a control weight is not positive";
 /// The unit of `bent` and `share`.
-const UNIT: u32 = 20;
+const UNIT: u32 = 32;
 
 /// The square of a radius.
 pub(super) struct Squared {
@@ -142,24 +142,24 @@ pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> Resul
 pub(super) fn bent_form(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> Result<Tensor, Why> {
     let ([x, y, g, h, u, v], unit) = (fields.map(BigInt::from), BigInt::one() << UNIT);
     let twice = |x: &BigInt| x << 1_u8;
-    // 2 - u and 2 - v, times 2^20
+    // 2 - u and 2 - v, times 2^32
     let (of_a, of_b) = (twice(&unit) - &u, twice(&unit) - &v);
     check([&of_a, &of_b].iter().all(|x| **x > unit && **x < &unit * 3), "a weight grows too fast")?;
     let [first, second] = first_weights(a, b)?;
     // k = top / bottom
     let (top, bottom) = (second * of_a, first * of_b);
-    // 1 + g (x - s) + u (1/2 - s) at s = 0 and at s = 1, times 2^41
+    // 1 + g (x - s) + u (1/2 - s) at s = 0 and at s = 1, times 2^65
     let line = |x: &BigInt, g: &BigInt, u: &BigInt| {
         let [from, to] = [x.clone(), x - &unit].map(|offset| twice(&(&unit * &unit + g * offset)));
         Poly(vec![from + u * &unit, to - u * &unit])
     };
-    // 1 + u (s - 1/2) at both ends, times 2^21; times 2^21 alone if the weight is constant
+    // 1 + u (s - 1/2) at both ends, times 2^33; times 2^33 alone if the weight is constant
     let weight = |piece: &Piece, u: &BigInt| match piece.w.0.len() {
         1 => Poly(vec![twice(&unit)]),
         _ => Poly(vec![twice(&unit) - u, twice(&unit) + u]),
     };
     let (p, q) = (a.products(), b.products());
-    // everything times top, bottom, the denominator of r^2 and 2^82
+    // everything times top, bottom, the denominator of r^2 and 2^130
     let plain = (&top * &bottom) << (4 * UNIT + 2);
     let mut sum = Tensor::default();
     let square = &plain * &r.den;
@@ -177,11 +177,11 @@ pub(super) fn bent_form(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> 
 }
 
 pub(super) fn share(end: &End, piece: &Piece, k: i64, r: &Squared) -> Result<(), Why> {
-    check((0..=1 << UNIT).contains(&k), "the share is not in 0 .. 2^20")?;
+    check((0..=1 << UNIT).contains(&k), "the share is not in 0 .. 2^32")?;
     check(share_form(end, piece, k, r).is_positive(), NOT_POSITIVE)
 }
 
-/// The form of `share` times 2^40 and the denominator of r^2.
+/// The form of `share` times 2^64 and the denominator of r^2.
 pub(super) fn share_form(end: &End, piece: &Piece, k: i64, r: &Squared) -> Poly {
     let (k, unit) = (BigInt::from(k), BigInt::one() << UNIT);
     let (a, d) = (piece.a(), constant(&end.a));

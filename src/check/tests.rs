@@ -135,7 +135,7 @@ impl Maker {
             (Node::Slab(far), rules::end_slab(e, pieces, &far, &self.r).is_ok()),
         ];
         if let Arc::Piece(piece) = arc {
-            for k in [0, 1 << 18, 1 << 19, 3 << 18, 1 << 20] {
+            for k in [0, 1 << 30, 1 << 31, 3 << 30, 1 << 32] {
                 tried.push((Node::Share(k), rules::share(e, piece, k, &self.r).is_ok()));
             }
         }
@@ -454,7 +454,7 @@ proptest! {
     /// The forms of the rules against their definitions, on a rational and an integral arc.
     #[test]
     fn forms(
-        s in 0_i64..6, t in 0_i64..6, fields in prop::array::uniform6(-999_999_i64..999_999), k in 0_i64..(1 << 20),
+        s in 0_i64..6, t in 0_i64..6, fields in prop::array::uniform6(-4_000_000_000_i64..4_000_000_000), k in 0_i64..(1 << 32),
         rational in any::<bool>(),
     ) {
         let name = if rational { "m98_5_3" } else { "m98_5_2" };
@@ -474,7 +474,7 @@ proptest! {
         });
         let weights = [&a, &b].map(|piece| piece.w.0[0].clone());
         let [first, second] = weights.each_ref().map(|w| Rational::from_integer(w.clone()));
-        let unit = Rational::from_integer(BigInt::one() << 20);
+        let unit = Rational::from_integer(BigInt::one() << 32);
         let ratio = |x: i64| Rational::from_integer(x.into()) / &unit;
         let [x, y, g, h, u, v2] = fields.map(ratio);
         let (one, half) = (Rational::one(), q("1/2"));
@@ -493,7 +493,7 @@ proptest! {
         let found = horner(&columns, &s);
         let common = num_integer::gcd(weights[0].clone(), weights[1].clone());
         let product = &first * &second / Rational::from_integer(&common * &common);
-        let factor = Rational::from_integer(&r.den << 122) * product * (&two - &u) * (&two - &v2);
+        let factor = Rational::from_integer(&r.den << 194) * product * (&two - &u) * (&two - &v2);
         prop_assert_eq!(found, form * factor);
         let degree = if rational { (14, 14) } else { (8, 8) };
         prop_assert_eq!((rows.len(), rows[0].0.len()), degree);

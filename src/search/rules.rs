@@ -6,8 +6,9 @@ use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_er
 use crate::enclosure::Interval;
 use crate::integer::Int;
 
-/// Certificates hold multipliers in units of 2^-20: few bits, for exact arithmetic.
-pub(crate) const UNITS: f64 = 1_048_576.0;
+/// Certificates hold multipliers in units of 2^-32: few bits, for exact arithmetic, but enough for strands that are far
+/// closer than a cell is long.
+pub(crate) const UNITS: f64 = 4_294_967_296.0;
 
 /// To the nearest unit, for multipliers.
 pub(crate) fn in_units(x: f64) -> f64 {
@@ -199,7 +200,7 @@ fn pace(c: &Cell) -> f64 {
     n as f64 * c.w[0] * c.w[1] * norm(&sub(&c.p[1], &c.p[0])) / norm(&c.a[0])
 }
 
-/// Shares of q.T(s) and q.T(t) as the multipliers of *together*: whole numbers of 20 bits.
+/// Shares of q.T(s) and q.T(t) as the multipliers of *together*: whole numbers of 32 bits.
 pub(crate) fn sides(x: &Cell, y: &Cell, shares: [f64; 2]) -> [f64; 2] {
     let chord = |c: &Cell| norm(&sub(&c.p[c.p.len() - 1], &c.p[0]));
     let sides = [shares[0] / chord(x), shares[1] / chord(y)];

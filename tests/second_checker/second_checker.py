@@ -15,7 +15,7 @@ from functools import cached_property, lru_cache, partial
 from math import comb, gcd, lcm
 from pathlib import Path
 
-INF, MAX_BYTES, MAX_DIGITS, MAX_HALVINGS, UNIT = "inf", 256 << 20, 20000, 512, 1 << 20
+INF, MAX_BYTES, MAX_DIGITS, MAX_HALVINGS, UNIT = "inf", 256 << 20, 20000, 512, 1 << 32
 sys.set_int_max_str_digits(2 * MAX_DIGITS)
 
 class Verdict(Exception):
@@ -330,12 +330,12 @@ def side(A, B, X, Y):
     return positive(F) or positive(-1 * F)
 
 def bends(x, g, u, flat):
-    """Section 4, bent: (x - s)(1 + g (x - s) + u (1/2 - s)) and 1 + u (s - 1/2), times 2^61 and 2^21; x, g and u times 2^20."""
+    """Section 4, bent: (x - s)(1 + g (x - s) + u (1/2 - s)) and 1 + u (s - 1/2), times 2^97 and 2^33; x, g and u times 2^32."""
     bend = [2 * UNIT**2 + 2 * g * x + u * UNIT, 2 * UNIT**2 + 2 * g * (x - UNIT) - u * UNIT]
     return Poly([x, x - UNIT]) * Poly(bend), Poly([2 * UNIT] if flat else [2 * UNIT - u, 2 * UNIT + u])
 
 def bent(A, B, X, Y, G, H, U, V, R):
-    """Section 4; times 2^82 q^2 m m', with R = p/q and k = m'/m; |D|^2 is multiplied out."""
+    """Section 4; times 2^130 q^2 m m', with R = p/q and k = m'/m; |D|^2 is multiplied out."""
     m, m_, p2, q2 = A.weights[0] * (2 * UNIT - V), B.weights[0] * (2 * UNIT - U), R.numerator**2, R.denominator**2
     if max(abs(U), abs(V)) >= UNIT or m <= 0 or m_ <= 0:
         return False
@@ -345,7 +345,7 @@ def bent(A, B, X, Y, G, H, U, V, R):
                     + q2 * m_**2 * bend_s * in_t(line_t) * dot(D, A.a) - q2 * m**2 * line_s * in_t(bend_t) * dot(D, a_t))
 
 def share(arc, e, d, K, R):
-    """Section 5; e in homogeneous coordinates; times 2^40 q^2, with R = p/q."""
+    """Section 5; e in homogeneous coordinates; times 2^64 q^2, with R = p/q."""
     if not 0 <= K <= UNIT or len(arc) > 1:
         return False
     a, w, p2, q2 = arc[0].a, arc[0].w, R.numerator**2, R.denominator**2
