@@ -390,6 +390,29 @@ fn vanishing_span() {
     assert!(answer.stopped.is_none() && answer.delta.lo <= answer.delta.hi && answer.delta.hi < 1e-12, "{answer:?}");
 }
 
+/// Knots as close as rounding leaves them, and closer: spans that f64 does not see are passed over, not taken for a place
+/// where the spine meets itself.
+#[test]
+fn knots_closer_than_rounding() {
+    let points = [[4, 0, 0], [3, 3, 1], [0, 4, 0], [-3, 3, -1], [-4, 0, 0], [-3, -3, 1], [0, -4, 0], [3, -3, -1]];
+    let points: Vec<Point> = points.iter().chain(&points[..3]).map(|p| p.map(int)).collect();
+    let delta = |near: &dyn Fn(i64) -> Rational| {
+        let knots = (-3..12).map(|k: i64| near(k.rem_euclid(8)) + int(k - k.rem_euclid(8))).collect();
+        let spine =
+            Spine::from_curve(Curve::new(3, points.clone(), None, Some(knots)).expect("a curve")).expect("a spine");
+        let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");
+        assert!(answer.complete && answer.closed, "{answer:?}");
+        answer.delta
+    };
+    for joint in [1, 3] {
+        let double = delta(&|k| int(if k == joint { k - 1 } else { k }));
+        for gap in [-16, -25] {
+            let nearly = delta(&|k| if k == joint { int(k - 1) + power(10, gap) } else { int(k) });
+            assert!(nearly.lo <= double.hi && double.lo <= nearly.hi, "{nearly:?} {double:?}");
+        }
+    }
+}
+
 #[test]
 fn circle_twice() {
     touching(&shapes::circle(8), LimitedBy::SelfContact);

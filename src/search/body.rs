@@ -16,7 +16,7 @@ use super::curvature::golden;
 use super::frame::Frame;
 use super::meter::Meter;
 use super::newton::{Candidate, Step, newton_step, partner};
-use super::rules::{Gap, Model, across, bulge, decide, exact_arc, in_units, one_side, sides, tilted};
+use super::rules::{Gap, Model, across, bulge, decide, in_units, one_side, sides, tilted};
 use super::tree::{Cell, Id, ROUNDING, Tree, V3, norm, sub};
 use super::witness::{Exact, POLISHED};
 use crate::integer::ldexp;
@@ -120,6 +120,11 @@ impl Search<'_, '_> {
                 return None;
             }
             let apart = spread < 0.25 * length;
+            let blurred = !apart && rad <= 8.0 * floor;
+            // between them may lie spans that f64 does not see
+            if blurred && narrow && decide([x, y], self.tree.frame, self.radius, [0.5; 2]).is_some() {
+                return None;
+            }
             if (apart || narrow) && !x.p.is_empty() && !y.p.is_empty() {
                 let model = self.refine(i, j);
                 let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
@@ -131,7 +136,6 @@ impl Search<'_, '_> {
                 }
             }
             // so small that splitting says nothing more about the distance
-            let blurred = !apart && rad <= 8.0 * floor;
             if blurred || spread < 1e-3 * self.margin * length {
                 return self.give_up(self.gap(i, j));
             }
@@ -203,9 +207,12 @@ impl Search<'_, '_> {
             }
             let still = newton_step(&self.tree.evaluate(cs, s), &self.tree.evaluate(ct, t));
             let Some(still) = still else { break };
-            // f64 sees q.T to about 1e-15; on the diagonal it vanishes as well, so the parameters have to stay apart
+            // f64 sees q.T to about 1e-15; on the diagonal it vanishes as well, so the points have to be apart along the
+            // spine
             let settled = still.residual * still.length < 1e-14;
-            let contact = settled && parameter_gap(self.tree.frame, (cs, s), (ct, t)) > 0.5 * hs.max(ht);
+            let contact = settled
+                && parameter_gap(self.tree.frame, (cs, s), (ct, t)) > 0.5 * hs.max(ht)
+                && far_along(self.tree, (cs, s), (ct, t));
             if contact || (still.residual < 1e-9 && still.length > 1e-13) {
                 let mut pair = Candidate { s: (cs, s), t: (ct, t), radius: 0.5 * still.length };
                 // only one that is closer than what is known: along circles all are alike
@@ -263,8 +270,7 @@ impl Search<'_, '_> {
         if !bend || x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return false;
         }
-        let exact = |c: &Cell| exact_arc(self.tree.frame, c);
-        decide([x, y], [&exact(x), &exact(y)], self.radius, model.centre).is_some()
+        decide([x, y], self.tree.frame, self.radius, model.centre).is_some()
     }
 }
 
@@ -272,6 +278,20 @@ impl Search<'_, '_> {
 fn parameter_gap(frame: &Frame, s: (usize, f64), t: (usize, f64)) -> f64 {
     let gap = (s.0 as f64 - t.0 as f64 + s.1 - t.1).abs();
     if frame.closed { gap.min(frame.segments.len() as f64 - gap) } else { gap }
+}
+
+/// Is the spine between two places longer than f64 rounds, both ways round if it is closed? Some spans are not.
+fn far_along(tree: &Tree, s: (usize, f64), t: (usize, f64)) -> bool {
+    let (low, high) = if s <= t { (s, t) } else { (t, s) };
+    let spans = tree.frame.segments.len();
+    let long = |(first, from): (usize, f64), (last, to): (usize, f64)| {
+        (first..=last).any(|k| {
+            let (from, to) = (if k == first { from } else { 0.0 }, if k == last { to } else { 1.0 });
+            let points = [from, 0.5 * (from + to), to].map(|t| tree.evaluate(k % spans, t)[0]);
+            norm(&sub(&points[1], &points[0])) + norm(&sub(&points[2], &points[1])) > 1e-12
+        })
+    };
+    long(low, high) && (!tree.frame.closed || long(high, (low.0 + spans, low.1)))
 }
 
 impl Model {

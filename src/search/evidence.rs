@@ -8,7 +8,7 @@ use super::curvature::Strips;
 use super::ends::{Of, Search};
 use super::frame::Frame;
 use super::newton::newton_step;
-use super::rules::{Closed, Gap, Model, Shape, UNITS, across, bulge, decide, exact_arc, one_side, sides, tilted};
+use super::rules::{Closed, Gap, Model, Shape, UNITS, across, bulge, decide, one_side, sides, tilted};
 use super::tree::{Cell, Cone, Id, Tree, norm, sub, unit};
 use crate::certificate::{EndTree, Node, Which};
 use crate::integer::{Int, ldexp};
@@ -162,8 +162,17 @@ impl Pairs<'_, '_> {
             }
         }
         let narrow = a.cone.cos.min(b.cone.cos) > 0.9;
-        if !(narrow || spread < 0.25 * length) {
+        let apart = spread < 0.25 * length;
+        if !(narrow || apart) {
             return None;
+        }
+        // between them may lie spans that f64 does not see
+        if !apart && a.rad.max(b.rad) <= 8.0 * x.p_err.max(y.p_err) {
+            return match decide([x, y], self.tree.frame, self.r, [0.5; 2])? {
+                Closed::TiltFirst => Some(Node::Side([1, 0])),
+                Closed::TiltSecond => Some(Node::Side([0, 1])),
+                Closed::Bent | Closed::Far => None,
+            };
         }
         let model = model(self.tree, x, y)?;
         let bend = model.bends(bulge(x) + bulge(y), spread, self.r, self.margin);
@@ -191,8 +200,7 @@ impl Pairs<'_, '_> {
         if x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return None;
         }
-        let exact = |c: &Cell| exact_arc(self.tree.frame, c);
-        match decide([x, y], [&exact(x), &exact(y)], self.r, model.centre)? {
+        match decide([x, y], self.tree.frame, self.r, model.centre)? {
             Closed::TiltFirst => Some(Node::Side([1, 0])),
             Closed::TiltSecond => Some(Node::Side([0, 1])),
             Closed::Bent => Some(written),

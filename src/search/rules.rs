@@ -67,7 +67,7 @@ pub(crate) enum Closed {
 }
 
 /// Rules from exact arcs: f64 first, then intervals, then integers.
-pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, centre: [f64; 2]) -> Option<Closed> {
+pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64; 2]) -> Option<Closed> {
     /// The rule that holds, or whether surely none does.
     fn run<T: Scalar>(
         [x, y]: [&ExactForms; 2],
@@ -114,12 +114,13 @@ pub(crate) fn decide(cells: [&Cell; 2], exact: [&ExactForms; 2], radius: f64, ce
     }
     let shapes = cells.map(Shape::of);
     // D in integers: rounded, its digits would be lost where the strands are far closer than the box is wide
-    let [x, y] = exact;
+    let exact = cells.map(|cell| cell.exact(frame).forms());
+    let [x, y] = &exact;
     let turned = |f: &Form<Int>| f.clone().transposed();
     let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&turned(&y.w)).sub(&turned(&y.r[k]).mul(&x.w)));
-    run::<f64>(exact, &d, &shapes, radius, centre)
-        .or_else(|sure| if sure { Err(true) } else { run::<Interval>(exact, &d, &shapes, radius, centre) })
-        .or_else(|sure| if sure { Err(true) } else { run::<Int>(exact, &d, &shapes, radius, centre) })
+    run::<f64>([x, y], &d, &shapes, radius, centre)
+        .or_else(|sure| if sure { Err(true) } else { run::<Interval>([x, y], &d, &shapes, radius, centre) })
+        .or_else(|sure| if sure { Err(true) } else { run::<Int>([x, y], &d, &shapes, radius, centre) })
         .ok()
 }
 
@@ -291,11 +292,6 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
         norm(&std::array::from_fn(|k| p[k] - (first[k] + share * (last[k] - first[k]))))
     };
     c.p.iter().enumerate().map(off).fold(0.0, f64::max)
-}
-
-/// The exact arc of a cell.
-pub(crate) fn exact_arc(frame: &Frame, cell: &Cell) -> ExactForms {
-    cell.exact(frame).forms()
 }
 
 #[cfg(test)]
