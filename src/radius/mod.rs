@@ -197,7 +197,7 @@ impl<'a> Job<'a> {
         let mut complete = narrow;
         let mut rim = None;
         if let Some(pair) = body.candidate.filter(|pair| pair.radius * (1.0 - width) <= above) {
-            terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend));
+            terms.body_to_body.hi = self.body_above(&pair, best.filter(|u| u.witness.radius < bend.min(ends)));
         }
         if self.options.all_terms {
             complete &= self.all_terms(&mut terms, &mut rim);
@@ -388,8 +388,8 @@ impl<'a> Job<'a> {
 
     /// An upper bound for the body term: a doubly critical pair is proved to exist near the candidate.
     fn body_above(&mut self, pair: &Candidate, best: Option<&Bound>) -> f64 {
-        // on a closed spine, a valley below 1/kappa_max can be nothing else
-        if let Some(upper) = best.filter(|u| u.term == LimitedBy::BodyToBody && self.frame.closed) {
+        // a valley below all other terms can be nothing else
+        if let Some(upper) = best.filter(|u| u.term == LimitedBy::BodyToBody) {
             return self.enclosure(0.0, upper.witness.radius).hi;
         }
         let above = self.exact.critical_box(pair).or_else(|| {
