@@ -2,6 +2,7 @@
 
 use num_bigint::BigInt;
 use num_bigint::Sign;
+use num_integer::Integer;
 use num_traits::{Signed, ToPrimitive, Zero};
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Shl, Sub};
@@ -49,6 +50,14 @@ impl Int {
 
     pub(crate) fn abs(&self) -> Self {
         if self.sign() == Ordering::Less { -self } else { self.clone() }
+    }
+
+    /// The residue in 0 .. m.
+    pub(crate) fn modulo(&self, m: u64) -> u64 {
+        match self {
+            Self::Small(a) => a.rem_euclid(i128::from(m)) as u64,
+            Self::Big(a) => a.mod_floor(&BigInt::from(m)).to_u64().unwrap_or_default(),
+        }
     }
 
     /// The f64 nearest to `self * 2^-drop` (ties as the hardware does, error at most 2^-53 relative, plus

@@ -20,7 +20,7 @@ mod print;
 #[cfg(feature = "search")]
 mod radius;
 #[cfg(feature = "search")]
-mod roots;
+pub mod roots;
 #[cfg(feature = "search")]
 mod search;
 #[cfg(feature = "search")]

@@ -5,7 +5,8 @@
 //! taken out), for which bisection always ends: a simple root ends as a change of sign, everywhere else the
 //! coefficients get one sign.
 
-use crate::integer::{Int, exact_div, gcd};
+use super::power::{poly_gcd, squarefree, to_bernstein, to_power};
+use crate::integer::Int;
 
 /// Halvings before the square-free part is computed.
 const PATIENCE: u32 = 40;
@@ -19,7 +20,7 @@ pub(crate) struct Place {
 }
 
 /// Bernstein coefficients on both halves of the interval, each times `2^degree`.
-pub(crate) fn halves(p: &[Int]) -> (Vec<Int>, Vec<Int>) {
+pub(super) fn halves(p: &[Int]) -> (Vec<Int>, Vec<Int>) {
     let n = p.len() - 1;
     let mut row = p.to_vec();
     let (mut left, mut right) = (Vec::with_capacity(n + 1), Vec::with_capacity(n + 1));
@@ -45,7 +46,7 @@ pub(crate) fn common_zero(polys: &[Vec<Int>]) -> Option<Place> {
             if common.is_empty() {
                 return Some(Place { index: Int::ZERO, depth: 0, exact: true });
             }
-            let simple = to_bernstein(&squarefree(common));
+            let simple = to_bernstein(&squarefree(&common));
             bisect(start(vec![simple]), u32::MAX).unwrap_or(None)
         }
     }
@@ -101,105 +102,6 @@ fn narrowed(mut p: Vec<Int>, mut index: Int, mut depth: u32) -> Place {
 fn one_strict_sign(p: &[Int]) -> bool {
     let sign = p[0].sign();
     sign.is_ne() && p.iter().all(|c| c.sign() == sign)
-}
-
-// --- power basis, lowest degree first, no leading zeros; the zero polynomial is empty -------------------------------
-
-fn trimmed(mut p: Vec<Int>) -> Vec<Int> {
-    while p.last().is_some_and(Int::is_zero) {
-        p.pop();
-    }
-    let content = p.iter().fold(Int::ZERO, |g, c| gcd(&g, c));
-    if !content.is_zero() && content != Int::ONE {
-        for c in &mut p {
-            *c = exact_div(c, &content);
-        }
-    }
-    p
-}
-
-/// Power coefficients are the forward differences times binomials.
-fn to_power(bernstein: &[Int]) -> Vec<Int> {
-    let n = bernstein.len() - 1;
-    let binomials = crate::bernstein::int_binomials(n);
-    let mut row = bernstein.to_vec();
-    let mut power = Vec::with_capacity(n + 1);
-    for (k, binomial) in binomials.iter().enumerate() {
-        power.push(binomial * &row[0]);
-        for i in 0..n - k {
-            row[i] = &row[i + 1] - &row[i];
-        }
-    }
-    trimmed(power)
-}
-
-/// Bernstein coefficients times `n!`: `b[i] = sum_k C(i,k) / C(n,k) p[k]`, with `C(i,k)/C(n,k) n! = i!/(i-k)! (n-k)!`.
-fn to_bernstein(power: &[Int]) -> Vec<Int> {
-    let n = power.len() - 1;
-    let factorial: Vec<Int> = (0..=n)
-        .scan(Int::ONE, |f, k| {
-            if k > 0 {
-                *f = &*f * &Int::from(k as i64);
-            }
-            Some(f.clone())
-        })
-        .collect();
-    (0..=n)
-        .map(|i| {
-            (0..=i).fold(Int::ZERO, |sum, k| {
-                let weight = &exact_div(&factorial[i], &factorial[i - k]) * &factorial[n - k];
-                &sum + &(&weight * &power[k])
-            })
-        })
-        .collect()
-}
-
-/// Primitive Euclid.
-fn poly_gcd(mut a: Vec<Int>, mut b: Vec<Int>) -> Vec<Int> {
-    while !b.is_empty() {
-        let r = pseudo_remainder(a, &b);
-        a = std::mem::replace(&mut b, r);
-    }
-    a
-}
-
-fn pseudo_remainder(mut a: Vec<Int>, b: &[Int]) -> Vec<Int> {
-    let lead = &b[b.len() - 1];
-    while a.len() >= b.len() {
-        let (top, shift) = (a[a.len() - 1].clone(), a.len() - b.len());
-        for c in &mut a {
-            *c = &*c * lead;
-        }
-        for (i, c) in b.iter().enumerate() {
-            a[i + shift] = &a[i + shift] - &(c * &top);
-        }
-        a = trimmed(a);
-    }
-    a
-}
-
-fn squarefree(p: Vec<Int>) -> Vec<Int> {
-    let derivative = trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * &Int::from(k as i64)).collect());
-    if derivative.is_empty() {
-        return p;
-    }
-    let g = poly_gcd(p.clone(), derivative);
-    // Exact division, up to a constant: pseudo-division leaves remainder zero.
-    let (mut rest, mut quotient) = (p, vec![]);
-    let lead = &g[g.len() - 1];
-    while rest.len() >= g.len() {
-        let (top, shift) = (rest[rest.len() - 1].clone(), rest.len() - g.len());
-        for c in rest.iter_mut().chain(&mut quotient) {
-            *c = &*c * lead;
-        }
-        for (i, c) in g.iter().enumerate() {
-            rest[i + shift] = &rest[i + shift] - &(c * &top);
-        }
-        rest.pop();
-        quotient.push(top);
-    }
-    quotient.reverse();
-    trimmed(quotient)
 }
 
 #[cfg(test)]

@@ -1,0 +1,161 @@
+//! Integer polynomials in the power basis: lowest degree first, primitive, no leading zeros; the zero polynomial is empty.
+
+use num_bigint::BigInt;
+use num_traits::One;
+
+use crate::integer::{Int, exact_div, gcd, lcm};
+
+pub(super) fn trimmed(mut p: Vec<Int>) -> Vec<Int> {
+    while p.last().is_some_and(Int::is_zero) {
+        p.pop();
+    }
+    let content = p.iter().fold(Int::ZERO, |g, c| gcd(&g, c));
+    if !content.is_zero() && content != Int::ONE {
+        for c in &mut p {
+            *c = exact_div(c, &content);
+        }
+    }
+    p
+}
+
+/// Power coefficients are the forward differences times binomials.
+pub(super) fn to_power(bernstein: &[Int]) -> Vec<Int> {
+    let n = bernstein.len() - 1;
+    let binomials = crate::bernstein::int_binomials(n);
+    let mut row = bernstein.to_vec();
+    let mut power = Vec::with_capacity(n + 1);
+    for (k, binomial) in binomials.iter().enumerate() {
+        power.push(binomial * &row[0]);
+        for i in 0..n - k {
+            row[i] = &row[i + 1] - &row[i];
+        }
+    }
+    trimmed(power)
+}
+
+/// A positive multiple of the Bernstein coefficients b on [0, 1]: p[k] / C(n,k) are the differences of order k at b[0].
+pub(super) fn to_bernstein(power: &[Int]) -> Vec<Int> {
+    let binomials = crate::bernstein::int_binomials(power.len() - 1);
+    let common = Int::from(binomials.iter().fold(BigInt::one(), |all, c| lcm(&all, &c.big())));
+    let mut row: Vec<Int> = power.iter().zip(&binomials).map(|(p, c)| p * &exact_div(&common, c)).collect();
+    let mut bernstein = vec![row[0].clone()];
+    for order in (1..power.len()).rev() {
+        for k in 0..order {
+            row[k] = &row[k] + &row[k + 1];
+        }
+        bernstein.push(row[0].clone());
+    }
+    bernstein
+}
+
+/// Primitive Euclid.
+pub(super) fn poly_gcd(mut a: Vec<Int>, mut b: Vec<Int>) -> Vec<Int> {
+    while !b.is_empty() {
+        let r = pseudo_remainder(a, &b);
+        a = std::mem::replace(&mut b, r);
+    }
+    a
+}
+
+fn pseudo_remainder(mut a: Vec<Int>, b: &[Int]) -> Vec<Int> {
+    let lead = &b[b.len() - 1];
+    while a.len() >= b.len() {
+        let (top, shift) = (a[a.len() - 1].clone(), a.len() - b.len());
+        for c in &mut a {
+            *c = &*c * lead;
+        }
+        for (i, c) in b.iter().enumerate() {
+            a[i + shift] = &a[i + shift] - &(c * &top);
+        }
+        a = trimmed(a);
+    }
+    a
+}
+
+/// The product of the square-free factors.
+pub(super) fn squarefree(p: &[Int]) -> Vec<Int> {
+    let slope = derivative(p);
+    if slope.is_empty() { p.to_vec() } else { quotient(p, &poly_gcd(p.to_vec(), slope)) }
+}
+
+pub(super) fn derivative(p: &[Int]) -> Vec<Int> {
+    trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * &Int::from(k as i64)).collect())
+}
+
+/// The primitive quotient p / d, where d divides p.
+fn quotient(p: &[Int], d: &[Int]) -> Vec<Int> {
+    let (mut rest, mut quotient) = (p.to_vec(), vec![]);
+    let lead = &d[d.len() - 1];
+    while rest.len() >= d.len() {
+        let (top, shift) = (rest[rest.len() - 1].clone(), rest.len() - d.len());
+        for c in rest.iter_mut().chain(&mut quotient) {
+            *c = &*c * lead;
+        }
+        for (i, c) in d.iter().enumerate() {
+            rest[i + shift] = &rest[i + shift] - &(c * &top);
+        }
+        rest.pop();
+        quotient.push(top);
+    }
+    quotient.reverse();
+    trimmed(quotient)
+}
+
+/// Square-free factors of a primitive p of degree 1 or more, pairwise coprime, with their multiplicities: p is the
+/// product of their powers, up to a constant.
+pub(super) fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
+    let slope = derivative(p);
+    if coprime_modulo_a_prime(p, &slope) {
+        return vec![(p.to_vec(), 1)];
+    }
+    let mut repeated = poly_gcd(p.to_vec(), slope);
+    let mut once = quotient(p, &repeated);
+    let (mut factors, mut multiplicity) = (vec![], 1);
+    while once.len() > 1 {
+        let more = poly_gcd(once.clone(), repeated.clone());
+        let factor = quotient(&once, &more);
+        if factor.len() > 1 {
+            factors.push((factor, multiplicity));
+        }
+        repeated = quotient(&repeated, &more);
+        once = more;
+        multiplicity += 1;
+    }
+    factors
+}
+
+/// Are two polynomials coprime modulo a prime that divides neither leading coefficient? Then they are over Q.
+fn coprime_modulo_a_prime(p: &[Int], q: &[Int]) -> bool {
+    const PRIME: u64 = (1 << 61) - 1;
+    let times = |a: u64, b: u64| (u128::from(a) * u128::from(b) % u128::from(PRIME)) as u64;
+    let inverse = |a: u64| {
+        let (mut power, mut base, mut exponent) = (1, a, PRIME - 2);
+        while exponent > 0 {
+            if exponent & 1 == 1 {
+                power = times(power, base);
+            }
+            base = times(base, base);
+            exponent >>= 1;
+        }
+        power
+    };
+    let reduced = |p: &[Int]| p.iter().map(|c| c.modulo(PRIME)).collect::<Vec<u64>>();
+    let (mut a, mut b) = (reduced(p), reduced(q));
+    if a.last().is_none_or(|c| *c == 0) || b.last().is_none_or(|c| *c == 0) {
+        return false;
+    }
+    while b.len() > 1 {
+        let per = inverse(b[b.len() - 1]);
+        while a.len() >= b.len() {
+            let (factor, shift) = (times(a[a.len() - 1], per), a.len() - b.len());
+            for (i, c) in b.iter().enumerate() {
+                a[i + shift] = (a[i + shift] + PRIME - times(factor, *c)) % PRIME;
+            }
+            while a.last() == Some(&0) {
+                a.pop();
+            }
+        }
+        std::mem::swap(&mut a, &mut b);
+    }
+    b.len() == 1
+}

@@ -1,0 +1,222 @@
+//! Roots of polynomials: known families, and random ones against Sturm sequences (exact, no shared code).
+
+use num_bigint::BigInt;
+use num_traits::{One, Signed, Zero};
+use proptest::prelude::*;
+use tubecert::Rational;
+use tubecert::number::parse_rational;
+use tubecert::roots::{RealRoot, real_roots};
+
+/// Coefficients, the constant first.
+type Poly = Vec<Rational>;
+
+fn q(n: i64, d: i64) -> Rational {
+    Rational::new(n.into(), d.into())
+}
+
+fn int(n: i64) -> Rational {
+    q(n, 1)
+}
+
+fn times(a: &[Rational], b: &[Rational]) -> Poly {
+    let mut c = vec![Rational::zero(); (a.len() + b.len()).saturating_sub(1)];
+    for (i, x) in a.iter().enumerate() {
+        for (j, y) in b.iter().enumerate() {
+            c[i + j] += x * y;
+        }
+    }
+    c
+}
+
+fn product(factors: impl IntoIterator<Item = Poly>) -> Poly {
+    factors.into_iter().fold(vec![Rational::one()], |all, factor| times(&all, &factor))
+}
+
+fn value(p: &[Rational], x: &Rational) -> Rational {
+    p.iter().rev().fold(Rational::zero(), |sum, c| sum * x + c)
+}
+
+/// The number of roots, each counted once, in (from, to].
+fn sturm(p: &[Rational], from: &Rational, to: &Rational) -> usize {
+    let trimmed = |mut p: Poly| {
+        while p.last().is_some_and(Zero::is_zero) {
+            p.pop();
+        }
+        p
+    };
+    let slope = p.iter().enumerate().skip(1).map(|(k, c)| c * int(k as i64)).collect();
+    let mut chain = vec![p.to_vec(), trimmed(slope)];
+    while !chain[chain.len() - 1].is_empty() {
+        let [a, b] = [&chain[chain.len() - 2], &chain[chain.len() - 1]];
+        let mut rest = a.clone();
+        while rest.len() >= b.len() {
+            let factor = &rest[rest.len() - 1] / &b[b.len() - 1];
+            let shift = rest.len() - b.len();
+            for (i, c) in b.iter().enumerate() {
+                rest[i + shift] -= &factor * c;
+            }
+            rest.pop();
+        }
+        // positive multiples keep the signs: small ones
+        let size = rest.iter().map(Signed::abs).max().filter(|size| !size.is_zero());
+        chain.push(trimmed(rest.iter().map(|c| -c / size.clone().unwrap_or_else(Rational::one)).collect()));
+    }
+    let changes = |x: &Rational| {
+        let signs: Vec<bool> =
+            chain.iter().map(|p| value(p, x)).filter(|v| !v.is_zero()).map(|v| v.is_positive()).collect();
+        signs.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    };
+    changes(from) - changes(to)
+}
+
+/// Each interval has one root by Sturm, and there are as many as on the whole line; the intervals are disjoint.
+fn agrees_with_sturm(p: &[Rational]) {
+    let roots = real_roots(p).unwrap();
+    let far = p.iter().map(Signed::abs).fold(Rational::one(), |all, c| all + c) / p[p.len() - 1].abs() + int(1);
+    assert_eq!(roots.len(), sturm(p, &-&far, &far), "{p:?}");
+    for pair in roots.windows(2) {
+        assert!(pair[0].hi() < pair[1].lo(), "{pair:?}");
+    }
+    for root in &roots {
+        let (lo, hi) = (root.lo(), root.hi());
+        assert!(if lo == hi { value(p, &lo).is_zero() } else { sturm(p, &lo, &hi) == 1 || value(p, &lo).is_zero() });
+    }
+}
+
+fn counts(p: &[Rational]) -> Vec<usize> {
+    real_roots(p).unwrap().iter().map(RealRoot::multiplicity).collect()
+}
+
+fn simple(p: &[Rational], count: usize) {
+    assert_eq!(counts(p), vec![1; count]);
+}
+
+fn wilkinson(n: i64) -> Poly {
+    product((1..=n).map(|k| vec![int(-k), int(1)]))
+}
+
+#[test]
+fn wilkinson_and_its_neighbour() {
+    simple(&wilkinson(20), 20);
+    simple(&wilkinson(40), 40);
+    for (k, root) in (1..).zip(real_roots(&wilkinson(20)).unwrap()) {
+        assert!(root.lo() <= int(k) && int(k) <= root.hi());
+    }
+    let mut lowered = wilkinson(20);
+    lowered[19] -= q(1, 1 << 23);
+    simple(&lowered, 10);
+}
+
+/// Three-term recurrences p[k+1] = (a x p[k] - b p[k-1]) / c.
+fn orthogonal(n: i64, terms: impl Fn(i64) -> [i64; 3]) -> Poly {
+    let (mut before, mut here) = (vec![int(1)], vec![int(0), int(1)]);
+    for k in 1..n {
+        let [a, b, c] = terms(k);
+        let mut next = times(&here, &[int(0), q(a, c)]);
+        for (next, before) in next.iter_mut().zip(&before) {
+            *next -= before * q(b, c);
+        }
+        (before, here) = (here, next);
+    }
+    here
+}
+
+#[test]
+fn chebyshev_and_legendre() {
+    simple(&orthogonal(40, |_| [2, 1, 1]), 40);
+    simple(&orthogonal(40, |k| [2 * k + 1, k, k + 1]), 40);
+}
+
+#[test]
+fn mignotte() {
+    for (n, a, count) in [(20, 5, 4), (21, 5, 3), (40, 100, 4), (51, 1000, 3)] {
+        let mut p = vec![Rational::zero(); n + 1];
+        p[n] = int(1);
+        for (p, c) in p.iter_mut().zip([-2, 4 * a, -2 * a * a]) {
+            *p += int(c);
+        }
+        simple(&p, count);
+    }
+}
+
+#[test]
+fn mandelbrot() {
+    let mut p = vec![int(1)];
+    for (degree, count) in [(1, 1), (3, 1), (7, 3), (15, 5), (31, 7), (63, 9), (127, 19)] {
+        // p -> x p^2 + 1
+        p = times(&times(&p, &p), &[int(0), int(1)]);
+        p[0] += int(1);
+        assert_eq!(p.len(), degree + 1);
+        let found = counts(&p).len();
+        assert!(degree < 31 || found == count, "{degree}: {found}");
+    }
+}
+
+#[test]
+fn multiplicities_and_borders() {
+    let root = |n: i64, d: i64| vec![q(-n, d), int(1)];
+    let quadratic = vec![int(1), int(1), int(1)];
+    // 0 twice, 1/3 three times, 1/2 and 1 (cell borders), -4, and a factor without real roots, twice
+    let factors = [vec![root(0, 1); 2], vec![root(1, 3); 3], vec![root(1, 2), root(1, 1), root(-4, 1)]].concat();
+    let p = product(factors.into_iter().chain([quadratic.clone(), quadratic.clone()]));
+    assert_eq!(counts(&p), [1, 2, 3, 1, 1]);
+    assert_eq!(counts(&quadratic), []);
+    assert_eq!(counts(&[q(7, 3)]), []);
+    assert_eq!(counts(&[int(0), int(5)]), [1]);
+    assert_eq!(counts(&[int(1), int(0), int(0)]), []);
+    assert!(real_roots(&[]).is_err() && real_roots(&[int(0), int(0)]).is_err());
+    let decimal = ["-0.042", "0.55", "-1.4", "1"].map(|text| parse_rational(text).unwrap());
+    let [a, b, c] = [q(1, 10), q(6, 10), q(7, 10)];
+    let expected = product([vec![-&a, int(1)], vec![-&b, int(1)], vec![-&c, int(1)]]);
+    assert_eq!(decimal.to_vec(), expected);
+    simple(&decimal, 3);
+}
+
+#[test]
+fn clusters() {
+    let tiny = Rational::new(BigInt::one(), BigInt::one() << 200);
+    let near = |k: i64| vec![-(q(1, 3) + int(k) * &tiny), int(1)];
+    simple(&product([near(0), near(1), near(-1), near(5)]), 4);
+    let double = times(&near(0), &near(0));
+    assert_eq!(counts(&product([double.clone(), near(1)])), [2, 1]);
+    // the double root opened by 2^-400: none, or two
+    for (sign, count) in [(1, 0), (-1, 2)] {
+        let mut p = double.clone();
+        p[0] += &tiny * &tiny * int(sign);
+        simple(&p, count);
+    }
+}
+
+#[test]
+fn refinement_keeps_the_root() {
+    let p = product([vec![int(-2), int(0), int(1)], vec![q(-1, 3), int(1)]]);
+    for mut root in real_roots(&p).unwrap() {
+        let length = Rational::new(BigInt::one(), BigInt::one() << 1000);
+        root.refine(&length);
+        assert!(root.hi() - root.lo() <= length);
+        assert!(sturm(&p, &(root.lo() - &length), &root.hi()) == 1);
+    }
+}
+
+proptest! {
+    #[test]
+    fn random_polynomials(coefficients in prop::collection::vec(-20_i64..20, 1..12), over in 1_i64..9) {
+        let p: Poly = coefficients.iter().map(|c| q(*c, over)).chain([int(1)]).collect();
+        agrees_with_sturm(&p);
+    }
+
+    #[test]
+    fn known_factors(roots in prop::collection::vec((-30_i64..30, 1_i64..12, 1_usize..4), 1..6), complex in 0_usize..3) {
+        let factors = roots.iter().flat_map(|(n, d, m)| vec![vec![int(-n), int(*d)]; *m]);
+        let p = product(factors.chain(vec![vec![int(3), int(2), int(1)]; complex]));
+        let mut expected = std::collections::BTreeMap::<Rational, usize>::new();
+        for (n, d, m) in roots {
+            *expected.entry(q(n, d)).or_default() += m;
+        }
+        let found = real_roots(&p).unwrap();
+        prop_assert_eq!(found.len(), expected.len());
+        for (root, (x, multiplicity)) in found.iter().zip(expected) {
+            prop_assert!(root.lo() <= x && x <= root.hi() && root.multiplicity() == multiplicity);
+        }
+    }
+}
