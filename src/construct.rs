@@ -5,9 +5,34 @@ use num_traits::Zero;
 use crate::curve::{Curve, check_lengths};
 use crate::error::{Error, ErrorKind};
 use crate::number::{MAX_DIGITS, MAX_EXPONENT, Rational, over_limit, parse_rational};
-use crate::print::{exact_text, quote};
+use crate::print::exact_text;
+
+/// What stands in a curve file besides the curve: nothing is proved about it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Notes {
+    pub planar: bool,
+    pub name: Option<String>,
+    pub source: Option<String>,
+    pub unit: Option<String>,
+}
 
 impl Curve {
+    /// Reads a curve file. See [`Curve::from_json_slice`].
+    ///
+    /// # Errors
+    /// As [`Curve::from_json_slice`].
+    ///
+    /// ```
+    /// use tubecert::{curve::Curve, error::ErrorKind};
+    /// let curve = Curve::from_json_str(r#"{"degree": 1, "control_points": [[0, 0], [0.1, "1/3"]]}"#).unwrap();
+    /// assert_eq!(curve.control_points()[1][1].denom(), &3.into());
+    /// let error = Curve::from_json_str(r#"{"degree": 1, "control_points": [[0, 0], [1]]}"#).unwrap_err();
+    /// assert_eq!((error.kind, error.index), (ErrorKind::WrongLength, Some(1)));
+    /// ```
+    pub fn from_json_str(text: &str) -> Result<Self, Error> {
+        Self::from_json_slice(text.as_bytes())
+    }
+
     /// The curve of this data, taken exactly. Without `weights` all are 1; without `knots` the points are one Bezier
     /// segment on [0, 1].
     ///
@@ -52,46 +77,62 @@ impl Curve {
     /// Whether the file gave two coordinates for each point. It makes no difference to the curve or its digest.
     #[must_use]
     pub const fn is_planar_in_file(&self) -> bool {
-        self.planar_in_file
+        self.notes.planar
     }
 
     /// The name, free text.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
-        self.name.as_deref()
+        self.notes.name.as_deref()
     }
 
     /// Where the data comes from, free text.
     #[must_use]
     pub fn source(&self) -> Option<&str> {
-        self.source.as_deref()
+        self.notes.source.as_deref()
     }
 
     /// The unit of length, free text.
     #[must_use]
     pub fn unit(&self) -> Option<&str> {
-        self.unit.as_deref()
+        self.notes.unit.as_deref()
     }
 
     /// The same curve with this name.
     #[must_use]
     pub fn with_name(mut self, name: impl Into<String>) -> Self {
-        self.name = Some(name.into());
+        self.notes.name = Some(name.into());
         self
     }
 
     /// The same curve with this source.
     #[must_use]
     pub fn with_source(mut self, source: impl Into<String>) -> Self {
-        self.source = Some(source.into());
+        self.notes.source = Some(source.into());
         self
     }
 
     /// The same curve with this unit of length.
     #[must_use]
     pub fn with_unit(mut self, unit: impl Into<String>) -> Self {
-        self.unit = Some(unit.into());
+        self.notes.unit = Some(unit.into());
         self
+    }
+
+    /// The text whose SHA-256 is the [`digest`](Self::digest). Lines that end in one line feed; numbers as `p` or `p/q`
+    /// in lowest terms (q > 1, no sign but a leading `-`, no leading zeros), coordinates parted by one space:
+    /// ```text
+    /// tubecert-curve 1
+    /// degree D
+    /// knot T              one line for each knot
+    /// point X Y Z         these two lines for each control point
+    /// weight W
+    /// ```
+    /// Equal texts mean equal degree, knots, points and weights. Name, source and unit do not count; it is the same
+    /// for z left out and z = 0, for weights left out and all 1, for a Bezier segment without and with its knots.
+    #[must_use]
+    pub fn canonical_text(&self) -> String {
+        self.canonical_lines().collect()
     }
 
     /// A curve file that [`Curve::from_json_str`] reads back as exactly this value. Numbers that are short decimals
@@ -99,15 +140,15 @@ impl Curve {
     #[must_use]
     pub fn to_json(&self) -> String {
         let mut out = String::from("{\n  \"schema\": 1");
-        for (key, text) in [("name", &self.name), ("source", &self.source), ("unit", &self.unit)] {
+        for (key, text) in [("name", &self.notes.name), ("source", &self.notes.source), ("unit", &self.notes.unit)] {
             if let Some(text) = text {
-                out.push_str(&format!(",\n  \"{key}\": {}", quote(text)));
+                out.push_str(&format!(",\n  \"{key}\": {}", serde_json::Value::from(text.as_str())));
             }
         }
         out.push_str(&format!(",\n  \"degree\": {},\n  \"control_points\": [", self.degree()));
         for (index, [x, y, z]) in self.control_points().iter().enumerate() {
             out.push_str(if index == 0 { "\n    [" } else { ",\n    [" });
-            push_list(&mut out, [x, y].into_iter().chain((!self.planar_in_file).then_some(z)));
+            push_list(&mut out, [x, y].into_iter().chain((!self.notes.planar).then_some(z)));
             out.push(']');
         }
         out.push_str("\n  ],\n  \"weights\": [");
@@ -127,7 +168,7 @@ fn push_list<'a>(out: &mut String, numbers: impl IntoIterator<Item = &'a Rationa
         }
         let text = exact_text(number);
         let quoted = text.len() > 40 || text.contains('/') || text.starts_with('.') || text.starts_with("-.");
-        if quoted { out.push_str(&quote(&text)) } else { out.push_str(&text) }
+        if quoted { out.push_str(&format!("\"{text}\"")) } else { out.push_str(&text) }
     }
 }
 

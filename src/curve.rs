@@ -1,195 +1,185 @@
 //! The exact data of a curve: read from a file or given by a caller, validated once, never repaired.
+#![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
-mod read;
-
-use num_traits::{One, Zero};
+use num_traits::{One, ToPrimitive, Zero};
+use serde::de::{Deserializer, MapAccess, Visitor};
+use serde_json::{from_str, value::RawValue};
 use sha2::{Digest, Sha256};
 
-use crate::error::{Error, ErrorKind};
-use crate::number::{MAX_CONTROL_POINTS, MAX_DEGREE, Rational, compare, over_limit, same, to_fraction_text};
-use crate::print::shown;
+use crate::construct::Notes;
+use crate::error::{Result, reading, reading::Value};
+use crate::number::{MAX_BYTES, MAX_CONTROL_POINTS, MAX_DEGREE, Rational, compare, parse_rational, same};
 
 /// A rational B-spline curve in space as exact data: degree, control points, weights and the full knot vector.
 ///
-/// The curve is `sum w_i P_i N_i(t) / sum w_i N_i(t)` on [`domain`](Self::domain). What every value of this type
-/// satisfies, because the constructors refuse all else:
+/// The curve is `sum w_i P_i N_i(t) / sum w_i N_i(t)` on [`domain`](Self::domain). Whether the denominator has a zero
+/// or the curve is regular there is not decided here. What every value of this type satisfies:
 /// - the degree is 1 to [`MAX_DEGREE`]; there are degree + 1 to [`MAX_CONTROL_POINTS`] points, a weight for each, and
 ///   points + degree + 1 knots, clamped or not;
 /// - the knots do not decrease, the domain is not empty, no knot strictly inside it has a multiplicity above the degree;
 /// - every number is in lowest terms and can be written within the limits of [`crate::number`].
-///
-/// Whether the denominator has a zero on the domain or the curve is regular there is not decided here.
 #[derive(Debug, Clone)]
 pub struct Curve {
     degree: usize,
     control_points: Vec<[Rational; 3]>,
     weights: Vec<Rational>,
     knots: Vec<Rational>,
-    pub(crate) planar_in_file: bool,
-    pub(crate) name: Option<String>,
-    pub(crate) source: Option<String>,
-    pub(crate) unit: Option<String>,
+    pub(crate) notes: Notes,
 }
 
 impl Curve {
-    /// [`Curve::new`] for numbers that are in lowest terms and within the limits: the place of all other validation.
+    /// Reads a curve file (docs/interface.md). Every number is the rational it spells, never its nearest f64.
+    ///
+    /// # Errors
+    /// With key, index and byte offset where there are such: those of [`parse_rational`] and [`Curve::new`]; `Limit` for
+    /// more than [`MAX_BYTES`]; `Syntax`, `UnknownKey`, `DuplicateKey`, `MissingKey`, `WrongType`, `Schema`.
+    pub fn from_json_slice(bytes: &[u8]) -> Result<Self> {
+        if bytes.len() > MAX_BYTES {
+            return Err(reading::too_many_bytes(bytes.len()));
+        }
+        let file = str::from_utf8(bytes).map_err(reading::not_utf8)?;
+        let root: &RawValue = from_str(file).map_err(|error| reading::not_json(file, file, &error))?;
+        let root = Value { file, key: "", index: None, text: root.get() };
+        let known = ["degree", "control_points", "weights", "knots", "name", "source", "unit", "schema"];
+        let members = serde_json::Deserializer::from_str(root.text).deserialize_map(Members);
+        let mut values = std::collections::BTreeMap::new();
+        for (name, value) in members.map_err(|_| root.not_an_object())? {
+            let name = Value { text: name.get(), ..root };
+            let key = name.string()?;
+            if !known.contains(&key.as_str()) && !key.starts_with("x-") {
+                return Err(name.unknown_key());
+            }
+            if values.insert(key, value.get()).is_some() {
+                return Err(name.duplicate_key());
+            }
+        }
+        let value = |key| values.get(key).map(|text| Value { key, text, ..root });
+
+        match value("schema") {
+            Some(schema) if !schema.number()?.is_one() => return Err(schema.unknown_schema()),
+            _ => {}
+        }
+        let degree = value("degree").ok_or_else(|| reading::missing_key("degree"))?;
+        let whole = Some(degree.number()?).filter(Rational::is_integer).and_then(|degree| degree.to_usize());
+        let degree = whole.ok_or_else(|| degree.not_a_degree())?;
+        let mut points =
+            value("control_points").ok_or_else(|| reading::missing_key("control_points"))?.items()?.peekable();
+        let weights = value("weights").map(Value::items).transpose()?;
+        let knots = value("knots").map(Value::items).transpose()?;
+        check_lengths(degree, points.len(), weights.as_ref().map(|w| w.len()), knots.as_ref().map(|k| k.len()))?;
+
+        let dimension = points.peek().map(|first| first.items()).transpose()?.map_or(0, |first| first.len());
+        let point = |point: Value| match (point.items()?.collect::<Vec<_>>().as_slice(), dimension) {
+            ([x, y], 2) => Ok([x.number()?, y.number()?, Rational::zero()]),
+            ([x, y, z], 3) => Ok([x.number()?, y.number()?, z.number()?]),
+            (found, _) => Err(point.wrong_dimension(found.len(), dimension)),
+        };
+        let points = points.map(point).collect::<Result<_>>()?;
+        let weights = weights.map(|weights| weights.map(Value::number).collect::<Result<_>>()).transpose()?;
+        let knots = knots.map(|knots| knots.map(Value::number).collect::<Result<_>>()).transpose()?;
+        let text = |key| value(key).map(Value::string).transpose();
+        let notes = Notes { planar: dimension == 2, name: text("name")?, source: text("source")?, unit: text("unit")? };
+        Ok(Self { notes, ..Self::validated(degree, points, weights, knots)? })
+    }
+
+    /// The curve of numbers that are in lowest terms and within the limits: the place of all other validation.
     pub(crate) fn validated(
         degree: usize,
         control_points: Vec<[Rational; 3]>,
         weights: Option<Vec<Rational>>,
         knots: Option<Vec<Rational>>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let points = control_points.len();
         check_lengths(degree, points, weights.as_ref().map(Vec::len), knots.as_ref().map(Vec::len))?;
         let weights = weights.unwrap_or_else(|| vec![Rational::one(); points]);
-        let knots = knots.unwrap_or_else(|| {
-            let mut knots = vec![Rational::zero(); degree + 1];
-            knots.resize(2 * (degree + 1), Rational::one());
-            knots
-        });
-        check_knots(degree, points, &knots)?;
-        let planar_in_file = false;
-        Ok(Self { degree, control_points, weights, knots, planar_in_file, name: None, source: None, unit: None })
+        let knots =
+            knots.unwrap_or_else(|| [Rational::zero(), Rational::one()].map(|end| vec![end; degree + 1]).concat());
+        if !knots_fit(degree, points, &knots) {
+            return Err(reading::wrong_knots(degree, points, &knots));
+        }
+        Ok(Self { degree, control_points, weights, knots, notes: Notes::default() })
     }
 
     /// The degree.
-    #[must_use]
     pub const fn degree(&self) -> usize {
         self.degree
     }
 
     /// The control points, not multiplied by their weights.
-    #[must_use]
     pub fn control_points(&self) -> &[[Rational; 3]] {
         &self.control_points
     }
 
     /// The weights, one for each control point; of any sign, 0 included.
-    #[must_use]
     pub fn weights(&self) -> &[Rational] {
         &self.weights
     }
 
     /// The full knot vector: points + degree + 1 knots.
-    #[must_use]
     pub fn knots(&self) -> &[Rational] {
         &self.knots
     }
 
-    /// The text whose SHA-256 is the [`digest`](Self::digest). Lines that end in one line feed; numbers as `p` or `p/q`
-    /// in lowest terms (q > 1, no sign but a leading `-`, no leading zeros), coordinates parted by one space:
-    /// ```text
-    /// tubecert-curve 1
-    /// degree D
-    /// knot T              one line for each knot
-    /// point X Y Z         these two lines for each control point
-    /// weight W
-    /// ```
-    /// Equal texts mean equal degree, knots, points and weights. Name, source and unit do not count; it is the same
-    /// for z left out and z = 0, for weights left out and all 1, for a Bezier segment without and with its knots.
-    #[must_use]
-    pub fn canonical_text(&self) -> String {
-        self.canonical_lines().collect()
-    }
-
-    /// The SHA-256 of [`canonical_text`](Self::canonical_text) as 64 lowercase hexadecimal digits.
-    #[must_use]
+    /// The SHA-256, in hexadecimal, of the canonical text (docs/certificate-format.md, section 1) in its lines.
     pub fn digest(&self) -> String {
-        let mut hash = Sha256::new();
-        for line in self.canonical_lines() {
-            hash.update(line);
-        }
+        let hash = self.canonical_lines().fold(Sha256::new(), |hash, line| hash.chain_update(line));
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
-    fn canonical_lines(&self) -> impl Iterator<Item = String> {
-        let knots = self.knots.iter().map(|knot| format!("knot {}\n", to_fraction_text(knot)));
-        let points = self.control_points.iter().zip(&self.weights).map(|([x, y, z], weight)| {
-            let [x, y, z, weight] = [x, y, z, weight].map(to_fraction_text);
-            format!("point {x} {y} {z}\nweight {weight}\n")
-        });
+    pub(crate) fn canonical_lines(&self) -> impl Iterator<Item = String> {
+        let knots = self.knots.iter().map(|knot| format!("knot {knot}\n"));
+        let points = self.control_points.iter().zip(&self.weights);
+        let points = points.map(|([x, y, z], weight)| format!("point {x} {y} {z}\nweight {weight}\n"));
         std::iter::once(format!("tubecert-curve 1\ndegree {}\n", self.degree)).chain(knots).chain(points)
     }
 }
 
-/// The degree and every length, before a number is read.
-pub(crate) fn check_lengths(
-    degree: usize,
-    points: usize,
-    weights: Option<usize>,
-    knots: Option<usize>,
-) -> Result<(), Error> {
-    if degree == 0 {
-        return Err(Error::new(ErrorKind::Limit, format!("the degree is 0; it must be 1 to {MAX_DEGREE}"))
-            .key("degree")
-            .help("join the points by a curve of degree 1 or more"));
-    }
-    if degree > MAX_DEGREE {
-        return Err(over_limit(format_args!("the degree {degree}"), MAX_DEGREE, "MAX_DEGREE")
-            .key("degree")
-            .help("split the curve into pieces of lower degree"));
-    }
-    if points > MAX_CONTROL_POINTS {
-        return Err(over_limit(format_args!("{points} control points"), MAX_CONTROL_POINTS, "MAX_CONTROL_POINTS")
-            .key("control_points")
-            .help("cut the curve into several files"));
-    }
-    if points <= degree {
-        let wanted = format_args!("at least {} for degree {degree}", degree + 1);
-        return Err(wrong_length("control_points", points, wanted).help("add control points or lower the degree"));
-    }
-    if knots.is_none() && points != degree + 1 {
-        let help = format!("add \"knots\" ({} of them) or set the degree to {}", points + degree + 1, points - 1);
-        let wanted = format_args!("{} for degree {degree} without knots", degree + 1);
-        return Err(wrong_length("control_points", points, wanted).help(help));
-    }
-    if let Some(weights) = weights
-        && weights != points
-    {
-        let wanted = format_args!("{points}, one for each control point");
-        return Err(wrong_length("weights", weights, wanted)
-            .help("give every control point a weight, or leave \"weights\" out if all are 1"));
-    }
-    if let Some(knots) = knots
-        && knots != points + degree + 1
-    {
-        let wanted = format_args!("{} = points + degree + 1 = {points} + {degree} + 1", points + degree + 1);
-        return Err(wrong_length("knots", knots, wanted).help(
-            "write every knot as often as it counts; some programs leave out the first and the last: repeat those",
-        ));
-    }
-    Ok(())
-}
-
-fn wrong_length(key: &str, found: usize, wanted: impl std::fmt::Display) -> Error {
-    Error::new(ErrorKind::WrongLength, format!("{found} entries; wanted {wanted}")).key(key)
+/// Whether degree and lengths fit one another and the limits: asked before a number is read.
+pub(crate) fn check_lengths(degree: usize, points: usize, weights: Option<usize>, knots: Option<usize>) -> Result<()> {
+    let fit = (1..=MAX_DEGREE).contains(&degree)
+        && (degree + 1..=MAX_CONTROL_POINTS).contains(&points)
+        && weights.is_none_or(|weights| weights == points)
+        && knots.map_or(points == degree + 1, |knots| knots == points + degree + 1);
+    if fit { Ok(()) } else { Err(reading::wrong_lengths(degree, points, weights, knots)) }
 }
 
 /// Order, domain and multiplicity of `points + degree + 1` knots.
-fn check_knots(degree: usize, points: usize, knots: &[Rational]) -> Result<(), Error> {
-    let error = |kind, index, message| Error::new(kind, message).key("knots").index(index);
-    for (index, (before, knot)) in knots.iter().zip(knots.iter().skip(1)).enumerate() {
-        if compare(before, knot).is_gt() {
-            let message = format!("{} follows {}; knots must not decrease", shown(knot), shown(before));
-            return Err(
-                error(ErrorKind::KnotOrder, index + 1, message).help("put the knots in order; none is moved here")
-            );
-        }
+fn knots_fit(degree: usize, points: usize, knots: &[Rational]) -> bool {
+    let Some(domain @ [start, .., end]) = knots.get(degree..=points) else { return false };
+    let crowded = |run: &[Rational]| matches!(run, [a, .., b] if same(a, b) && !same(a, start) && !same(b, end));
+    let ordered = knots.is_sorted_by(|before, knot| compare(before, knot).is_le());
+    ordered && !same(start, end) && !domain.windows(degree + 1).any(crowded)
+}
+
+impl<'a> Value<'a> {
+    /// The values of an array; those of an array in an array have the index of that.
+    fn items(self) -> Result<impl ExactSizeIterator<Item = Self>> {
+        let items = from_str::<Vec<&'a RawValue>>(self.text).map_err(|_| self.wrong_type("an array"))?.into_iter();
+        Ok(items.enumerate().map(move |(i, raw)| Self { index: self.index.or(Some(i)), text: raw.get(), ..self }))
     }
-    let (Some(start), Some(end)) = (knots.get(degree), knots.get(points)) else {
-        return Err(wrong_length("knots", knots.len(), points + degree + 1));
-    };
-    if same(start, end) {
-        let message = format!("the domain knots[{degree}] .. knots[{points}] is empty: both are {}", shown(start));
-        return Err(error(ErrorKind::EmptyDomain, degree, message).help("the domain must have a positive length"));
+
+    fn string(self) -> Result<String> {
+        from_str(self.text).map_err(|error| self.not_a_string(&error))
     }
-    for (index, window) in knots.windows(degree + 1).enumerate() {
-        let (Some(first), Some(last)) = (window.first(), window.last()) else { continue };
-        if same(first, last) && compare(start, first).is_lt() && compare(first, end).is_lt() {
-            let message = format!("the knot {} stands more than {degree} times inside the domain", shown(first));
-            return Err(error(ErrorKind::KnotMultiplicity, index + degree, message)
-                .help("a knot may stand as often as the degree there; split a curve that jumps into two files"));
-        }
+
+    /// What a JSON number is or a string spells; no other value spells one.
+    pub(crate) fn number(self) -> Result<Rational> {
+        let read = if self.text.starts_with('"') { parse_rational(&self.string()?) } else { parse_rational(self.text) };
+        read.map_err(|error| self.not_a_number(error))
     }
-    Ok(())
+}
+
+/// Collects the members of an object: keys and values as they are spelled.
+struct Members;
+
+impl<'a> Visitor<'a> for Members {
+    type Value = Vec<(&'a RawValue, &'a RawValue)>;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'a>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        std::iter::from_fn(|| map.next_entry().transpose()).collect()
+    }
 }

@@ -1,5 +1,7 @@
 //! The one error type: what is wrong, at which key and index, and what to do about it.
 
+pub(crate) mod reading;
+
 use std::fmt;
 
 /// What kind of thing is wrong. Stable words for machines are given by [`ErrorKind::word`].
@@ -22,7 +24,7 @@ pub enum ErrorKind {
     WrongType,
     /// A number that is not one of the accepted spellings.
     Number,
-    /// A documented limit is passed (digits, exponent, degree, points, bytes, nesting).
+    /// A documented limit is passed (digits, exponent, degree, points, bytes).
     Limit,
     /// An array of the wrong length.
     WrongLength,
@@ -70,6 +72,9 @@ impl ErrorKind {
         }
     }
 }
+
+/// What can fail with an [`Error`].
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Why an input is unusable. The place is given as fields, never only inside the message.
 #[derive(Debug, Clone, PartialEq, Eq)]

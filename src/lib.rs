@@ -14,7 +14,6 @@ pub mod enclosure;
 pub mod error;
 #[cfg(feature = "search")]
 mod integer;
-pub mod json;
 pub mod number;
 mod print;
 #[cfg(feature = "search")]

@@ -4,9 +4,8 @@
 use num_bigint::{BigInt, BigUint, Sign};
 use num_traits::{One, Zero};
 
-use crate::number::{
-    MAX_DIGITS, MAX_EXPONENT, Rational, divide_out_fives, excerpt, parse_rational, same, to_fraction_text,
-};
+pub(crate) use crate::error::reading::{excerpt, over_limit};
+use crate::number::{MAX_DIGITS, MAX_EXPONENT, Rational, parse_rational, same};
 
 /// A number for messages: cut if it is long.
 pub(crate) fn shown(number: &Rational) -> String {
@@ -120,12 +119,32 @@ pub fn decimal_text(x: &Rational) -> Option<String> {
 /// The most significant digits for which a decimal is preferred to a fraction.
 const SHORT: usize = 25;
 
+/// `x` as `p` or `p/q` in lowest terms, the canonical text. Of any length, and [`parse_rational`] reads it back
+/// if its digits are within [`MAX_DIGITS`]. `x` must be in lowest terms with a positive denominator.
+#[must_use]
+pub fn to_fraction_text(x: &Rational) -> String {
+    x.to_string()
+}
+
+/// Divides `n`, not 0, by 5 as often as it goes, and returns how often it went.
+fn divide_out_fives(n: &mut BigUint) -> u64 {
+    let mut fives = 0;
+    // 5^27 is the greatest power in a u64: most of the way in strides of 27.
+    for (divisor, stride) in [(5_u64.pow(27), 27), (5, 1)] {
+        while (&*n % divisor).is_zero() {
+            *n /= divisor;
+            fives += stride;
+        }
+    }
+    fives
+}
+
 /// The sign, digits and power of ten of `x`, if `x` is a finite decimal; the digits do not end in 0 unless `x` = 0.
 fn finite_decimal(x: &Rational) -> Option<(&'static str, String, i64)> {
     let mut rest = x.denom().magnitude().clone();
     let twos = rest.trailing_zeros()?;
     rest >>= twos;
-    let fives = divide_out_fives(&mut rest, u64::from(u32::MAX));
+    let fives = divide_out_fives(&mut rest);
     if !rest.is_one() {
         return None;
     }
@@ -220,23 +239,4 @@ pub fn nearest_text(x: f64) -> String {
     } else {
         format!("{x:e}")
     }
-}
-
-/// `text` as a JSON string, quotation marks included.
-#[must_use]
-pub fn quote(text: &str) -> String {
-    let mut out = String::with_capacity(text.len() + 2);
-    out.push('"');
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            '\n' => out.push_str("\\n"),
-            '\t' => out.push_str("\\t"),
-            c if c < ' ' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }

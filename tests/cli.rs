@@ -318,7 +318,7 @@ fn bad_files_are_errors_with_their_place() {
     let doubled = br#"{"degree": 2, "control_points": [[0, 0], [0, 0], [1, 0]]}"#;
     assert_eq!(refused(doubled), json!(["irregular", "control_points", 1, null]));
     let deep = vec![b'['; 10_000_000];
-    assert_eq!(refused(&deep), json!(["limit", null, null, 16]));
+    assert_eq!(refused(&deep), json!(["syntax", null, null, 10_000_000]));
 }
 
 #[test]
@@ -487,6 +487,9 @@ fn a_claim_is_verified_as_it_is_printed() {
         (printed.replace("\"delta\"", "\"gamma\""), json!("delta.lo")),
         ("{".to_string(), Value::Null),
         ("[]".to_string(), json!("command")),
+        (printed.replacen('{', "{\"\\u0063ommand\":\"radius\",", 1), json!("command")),
+        (printed.replace("\"lo\":", "\"hi\":0,\"lo\":"), json!("delta.lo")),
+        (printed.replace("\"delta\":{\"lo\":", "\"delta\":{\"lo\":\"1\",\"low\":"), json!("delta.lo")),
     ] {
         let value: Value = serde_json::from_str(answer(&with(&text, &["--json"]), 2)).unwrap();
         assert_eq!((&value["error"]["key"], &value["error"]["file"]), (&key, &"-".into()), "{value}");

@@ -1,13 +1,16 @@
 //! The command `verify`.
 
+use std::collections::BTreeMap;
+use std::fmt;
+
 use serde::Serialize;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
-use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
 use tubecert::claim::Claim;
-use tubecert::json::{self as reader, Node, Value};
 use tubecert::number::{Rational, decimal_text, parse_rational, to_fraction_text};
+use tubecert::{Curve, ErrorKind};
 
 use super::args::VerifyArgs;
 use super::text::plain;
@@ -25,13 +28,11 @@ pub fn run(args: &VerifyArgs) -> Said {
     let claim = match &args.answer {
         None => certificate.claim(curve),
         Some(path) => {
-            let (bytes, refused) = load(path)?;
-            let root = reader::parse(&bytes).map_err(refused)?;
-            answered(&root, curve).map_err(|(key, message)| {
+            let (bytes, _) = load(path)?;
+            answered(&bytes, curve).map_err(|Wrong { kind, key, message }| {
                 let help = "give a JSON answer that radius printed for this curve".to_string();
-                let failure = Failure::new("answer", message, UNUSABLE);
                 let file = Some(path.display().to_string());
-                Box::new(Failure { file, key: Some(key), help: Some(help), ..failure })
+                Box::new(Failure { file, key, help: Some(help), ..Failure::new(kind, message, UNUSABLE) })
             })?
         }
     };
@@ -40,37 +41,80 @@ pub fn run(args: &VerifyArgs) -> Said {
     Ok((if args.json { as_json(&claim, &verdict) } else { as_text(&claim, &verdict) }, code))
 }
 
-/// A key and what is wrong with its value.
-type Wrong = (String, String);
+/// What is wrong with an answer, and at which key.
+struct Wrong {
+    kind: &'static str,
+    key: Option<String>,
+    message: String,
+}
 
-fn wrong(key: &str, what: &str) -> Wrong {
-    (key.to_string(), what.to_string())
+fn wrong(key: &str, what: impl fmt::Display) -> Wrong {
+    Wrong { kind: "answer", key: Some(key.to_string()), message: what.to_string() }
 }
 
 /// The claim that a JSON answer of `radius` makes, exactly as its decimals are printed.
-fn answered(root: &Node, curve: Curve) -> Result<Claim, Wrong> {
-    if !matches!(member(root, "command")?, Value::String(command) if command == "radius") {
+fn answered(bytes: &[u8], curve: Curve) -> Result<Claim, Wrong> {
+    let root: &RawValue = serde_json::from_slice(bytes).map_err(|error| Wrong {
+        kind: ErrorKind::Syntax.word(),
+        key: None,
+        message: format!("the answer is not JSON: {error}"),
+    })?;
+    if string(root, "command")?.as_deref() != Some("radius") {
         return Err(wrong("command", "this is no answer of radius"));
     }
-    if !matches!(member(root, "curve.digest")?, Value::String(digest) if *digest == curve.digest()) {
+    if string(root, "curve.digest")? != Some(curve.digest()) {
         return Err(wrong("curve.digest", "the answer is about another curve"));
     }
     let bound = |key| match member(root, key)? {
-        Value::Null => Ok(None),
-        Value::Number(text) => parse_rational(text).map(Some).map_err(|error| wrong(key, &error.message)),
+        "null" => Ok(None),
+        text if text.starts_with(['-', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9']) => {
+            parse_rational(text).map(Some).map_err(|error| wrong(key, error.message))
+        }
         _ => Err(wrong(key, "the bound is neither a number nor null")),
     };
     let (lo, hi) = (bound("delta.lo")?, bound("delta.hi")?);
     Ok(Claim { curve, lo, hi })
 }
 
-/// The value under keys parted by points.
-fn member<'a, 'b>(root: &'b Node<'a>, path: &str) -> Result<&'b Value<'a>, Wrong> {
-    path.split('.').try_fold(&root.value, |value, key| {
-        let Value::Object(members) = value else { return Err(wrong(path, "the key is missing")) };
-        let found = members.iter().find(|(found, _)| found.text == key);
-        found.map(|(_, node)| &node.value).ok_or_else(|| wrong(path, "the key is missing"))
+/// The string under keys parted by points; `None` if it is no string.
+fn string(root: &RawValue, path: &str) -> Result<Option<String>, Wrong> {
+    Ok(serde_json::from_str(member(root, path)?).ok())
+}
+
+/// The value under keys parted by points, as it is spelled.
+fn member<'a>(root: &'a RawValue, path: &str) -> Result<&'a str, Wrong> {
+    path.split('.').try_fold(root.get(), |value, key| {
+        if !value.starts_with('{') {
+            return Err(wrong(path, "the key is missing"));
+        }
+        let members = serde_json::Deserializer::from_str(value).deserialize_map(Members).map_err(|error| {
+            let kind = if error.is_data() { ErrorKind::DuplicateKey } else { ErrorKind::Syntax };
+            Wrong { kind: kind.word(), ..wrong(path, error) }
+        })?;
+        members.get(key).map(|value| value.get()).ok_or_else(|| wrong(path, "the key is missing"))
     })
+}
+
+/// Collects the members of a JSON object, their values as they are spelled; refuses a key that stands twice.
+struct Members;
+
+impl<'a> Visitor<'a> for Members {
+    type Value = BTreeMap<String, &'a RawValue>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'a>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut members = BTreeMap::new();
+        while let Some((key, value)) = map.next_entry::<String, _>()? {
+            if members.contains_key(&key) {
+                return Err(A::Error::custom(format_args!("the key {key:?} stands twice in one object")));
+            }
+            members.insert(key, value);
+        }
+        Ok(members)
+    }
 }
 
 /// A decimal if it is one, else a fraction.
