@@ -5,7 +5,7 @@ use num_traits::{One, Signed, Zero};
 use proptest::prelude::*;
 use tubecert::Rational;
 use tubecert::number::parse_rational;
-use tubecert::roots::{RealRoot, real_roots};
+use tubecert::roots::{ComplexRoot, RealRoot, complex_roots, real_roots};
 
 /// Coefficients, the constant first.
 type Poly = Vec<Rational>;
@@ -198,7 +198,127 @@ fn refinement_keeps_the_root() {
     }
 }
 
+/// A complex number by parts.
+type Complex = [Rational; 2];
+
+fn in_disk(root: &ComplexRoot, [x, y]: &Complex) -> bool {
+    let (re, im, r) = (root.re() - x, root.im() - y, root.radius());
+    &re * &re + &im * &im <= &r * &r
+}
+
+/// All roots, each as often as it counts: disks are disjoint, real ones as many as there are, conjugates in pairs, and
+/// the sum and the product of the roots are what the coefficients say.
+fn disks(p: &[Rational]) -> Vec<ComplexRoot> {
+    let roots = complex_roots(p).unwrap();
+    for (i, a) in roots.iter().enumerate() {
+        for b in &roots[..i] {
+            let (re, im, r) = (a.re() - b.re(), a.im() - b.im(), a.radius() + b.radius());
+            assert!(&re * &re + &im * &im > &r * &r, "{a:?} {b:?}");
+        }
+        let conjugate = roots.iter().find(|b| b.re() == a.re() && b.im() == -a.im());
+        assert!(conjugate.is_some_and(|b| b.radius() == a.radius() && b.multiplicity() == a.multiplicity()));
+    }
+    let real = roots.iter().filter(|root| root.im().is_zero());
+    let isolated = real_roots(p).unwrap();
+    assert_eq!(real.clone().count(), isolated.len());
+    for (disk, interval) in real.zip(&isolated) {
+        assert!(disk.re() - disk.radius() <= interval.hi() && interval.lo() <= disk.re() + disk.radius());
+        assert_eq!(disk.multiplicity(), interval.multiplicity());
+    }
+    let p = &p[..=p.iter().rposition(|c| !c.is_zero()).unwrap()];
+    assert_eq!(roots.iter().map(ComplexRoot::multiplicity).sum::<usize>(), p.len() - 1);
+    if p.len() > 1 {
+        let times = |root: &ComplexRoot| int(root.multiplicity() as i64);
+        let sum: Rational = roots.iter().map(|root| root.re() * times(root)).sum();
+        let error: Rational = roots.iter().map(|root| root.radius() * times(root)).sum();
+        assert!((sum + &p[p.len() - 2] / &p[p.len() - 1]).abs() <= error);
+    }
+    roots
+}
+
+#[test]
+fn complex_roots_of_known_families() {
+    let mut mandelbrot = vec![int(1)];
+    for _ in 0..5 {
+        mandelbrot = times(&times(&mandelbrot, &mandelbrot), &[int(0), int(1)]);
+        mandelbrot[0] += int(1);
+    }
+    for p in [
+        wilkinson(20),
+        orthogonal(40, |_| [2, 1, 1]),
+        mandelbrot,
+        vec![int(7)],
+        vec![int(0), int(0), int(3)],
+        vec![int(-5), int(3)],
+        product([vec![int(1), int(0), int(1)], vec![int(1), int(0), int(1)], vec![int(2), int(-2), int(1)]]),
+    ] {
+        disks(&p);
+    }
+    assert!(complex_roots(&[]).is_err());
+    // the roots of unity
+    for n in [3, 8, 30] {
+        let mut p = vec![Rational::zero(); n + 1];
+        (p[0], p[n]) = (int(-1), int(1));
+        assert_eq!(disks(&p).len(), n);
+    }
+}
+
+#[test]
+fn complex_clusters() {
+    let tiny = Rational::new(BigInt::one(), BigInt::one() << 200);
+    // ((x - 1/3)^2 + 1/4)^2 + 2^-400: pairs 2^-200 apart
+    let square = vec![q(1, 9) + q(1, 4), q(-2, 3), int(1)];
+    let mut p = times(&square, &square);
+    assert_eq!(disks(&p).len(), 2);
+    p[0] += &tiny * &tiny;
+    let mut roots = disks(&p);
+    assert_eq!(roots.len(), 4);
+    for root in &mut roots {
+        let before = [root.re(), root.im(), root.radius()];
+        root.refine(&(&tiny * &tiny));
+        let [re, im, r] = [root.re() - &before[0], root.im() - &before[1], &before[2] - root.radius()];
+        assert!(root.radius() <= &tiny * &tiny && &re * &re + &im * &im <= &r * &r);
+    }
+    // sizes far apart
+    let sizes = [power(2, -300), int(1), power(2, 300)];
+    let p = product(sizes.iter().map(|s| vec![s * s, -s, int(1)]));
+    assert_eq!(disks(&p).len(), 6);
+}
+
+fn power(base: i64, e: i32) -> Rational {
+    int(base).pow(e)
+}
+
 proptest! {
+    #[test]
+    fn known_complex_factors(
+        roots in prop::collection::vec((-9_i64..9, -9_i64..9, 1_i64..5, 1_usize..3), 1..5),
+    ) {
+        let mut expected = std::collections::BTreeMap::<Complex, usize>::new();
+        let mut factors = vec![];
+        for (x, y, d, m) in roots {
+            let (x, y) = (q(x, d), q(y, d).abs());
+            let factor = if y.is_zero() { vec![-&x, int(1)] } else { vec![&x * &x + &y * &y, -&x * int(2), int(1)] };
+            factors.extend(vec![factor; m]);
+            *expected.entry([x.clone(), y.clone()]).or_default() += m;
+            if !y.is_zero() {
+                *expected.entry([x, -y]).or_default() += m;
+            }
+        }
+        let found = disks(&product(factors));
+        prop_assert_eq!(found.len(), expected.len());
+        for (z, multiplicity) in &expected {
+            let there: Vec<_> = found.iter().filter(|root| in_disk(root, z)).collect();
+            prop_assert!(there.len() == 1 && there[0].multiplicity() == *multiplicity);
+        }
+    }
+
+    #[test]
+    fn random_complex(coefficients in prop::collection::vec(-20_i64..20, 1..14)) {
+        let p: Poly = coefficients.iter().map(|c| int(*c)).chain([int(1)]).collect();
+        disks(&p);
+    }
+
     #[test]
     fn random_polynomials(coefficients in prop::collection::vec(-20_i64..20, 1..12), over in 1_i64..9) {
         let p: Poly = coefficients.iter().map(|c| q(*c, over)).chain([int(1)]).collect();

@@ -1,8 +1,10 @@
 //! Certified roots of polynomials with rational coefficients: all of them, with multiplicities, nothing guessed.
 
 mod common;
+mod complex;
 mod power;
 mod real;
 
 pub(crate) use common::{Place, common_zero};
+pub use complex::{ComplexRoot, complex_roots};
 pub use real::{RealRoot, real_roots};

@@ -48,8 +48,7 @@ pub struct RealRoot {
 pub fn real_roots(coefficients: &[Rational]) -> Result<Vec<RealRoot>, Error> {
     let mut p = integers(coefficients);
     if p.is_empty() {
-        return Err(Error::new(ErrorKind::Irregular, "the polynomial is zero: every number is a root")
-            .help("give a polynomial with a coefficient that is not 0"));
+        return Err(zero_polynomial());
     }
     let zeros = p.iter().take_while(|c| c.is_zero()).count();
     p.drain(..zeros);
@@ -69,6 +68,11 @@ pub fn real_roots(coefficients: &[Rational]) -> Result<Vec<RealRoot>, Error> {
     }
     part(&mut roots);
     Ok(roots)
+}
+
+pub(super) fn zero_polynomial() -> Error {
+    Error::new(ErrorKind::Irregular, "the polynomial is zero: every number is a root")
+        .help("give a polynomial with a coefficient that is not 0")
 }
 
 impl RealRoot {
@@ -156,7 +160,7 @@ impl RealRoot {
 }
 
 /// The roots of a square-free factor that are > 0, or those that are < 0.
-fn one_side(factor: &Arc<Vec<Int>>, multiplicity: usize, negative: bool) -> Vec<RealRoot> {
+pub(super) fn one_side(factor: &Arc<Vec<Int>>, multiplicity: usize, negative: bool) -> Vec<RealRoot> {
     let turned = |(k, c): (usize, &Int)| if negative && k % 2 == 1 { -c } else { c.clone() };
     let p: Vec<Int> = factor.iter().enumerate().map(turned).collect();
     let bound = bound(&p);
@@ -177,7 +181,7 @@ fn one_side(factor: &Arc<Vec<Int>>, multiplicity: usize, negative: bool) -> Vec<
 }
 
 /// All roots are < 2^k in size.
-fn bound(p: &[Int]) -> i64 {
+pub(super) fn bound(p: &[Int]) -> i64 {
     let (lead, rest) = (&p[p.len() - 1], &p[..p.len() - 1]);
     // Fujiwara: at most twice the greatest |c / lead|^(1/j), j degrees below
     let each = rest.iter().rev().enumerate().filter(|(_, c)| !c.is_zero()).map(|(j, c)| {
@@ -231,7 +235,7 @@ fn part(roots: &mut [RealRoot]) {
 }
 
 /// The primitive integer polynomial that is a positive multiple.
-fn integers(coefficients: &[Rational]) -> Vec<Int> {
+pub(super) fn integers(coefficients: &[Rational]) -> Vec<Int> {
     let common = coefficients.iter().fold(BigInt::one(), |all, c| lcm(&all, c.denom()));
     trimmed(coefficients.iter().map(|c| Int::from(c.numer() * (&common / c.denom()))).collect())
 }

@@ -1,0 +1,399 @@
+//! Complex roots: Aberth's iteration for all roots at once finds them, disks prove them (theory.md, section 6).
+//!
+//! For a square-free p of degree n every disk |x - z| <= n |p(z) / p'(z)| holds a root; n disjoint ones hold one each.
+//! Where the disks meet, the iteration is run again with twice the digits.
+
+use std::sync::Arc;
+
+use num_bigint::BigInt;
+use num_traits::{One, Signed, Zero};
+
+use super::power::{derivative, square_free_factors};
+use super::real::{bound, integers, one_side, zero_polynomial};
+use crate::error::Error;
+use crate::integer::{Int, decompose, ldexp};
+use crate::number::{Rational, compare};
+
+/// A complex root of a polynomial, enclosed: the polynomial has exactly one root in the closed disk, of this
+/// multiplicity. A disk about a real centre holds a real root.
+#[derive(Debug, Clone)]
+pub struct ComplexRoot {
+    multiplicity: usize,
+    factor: Arc<Vec<Int>>,
+    /// Centre and radius over 2^`depth`.
+    centre: Gauss,
+    radius: BigInt,
+    depth: u64,
+}
+
+/// A Gaussian integer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Gauss {
+    re: BigInt,
+    im: BigInt,
+}
+
+/// All complex roots of the polynomial with these coefficients, the constant first: real ones in increasing order, then
+/// pairs, the root with a positive imaginary part before its conjugate. The disks are pairwise disjoint.
+///
+/// Multiplicities are exact (square-free factors over Q), the disks are proved in exact arithmetic. The time grows with the
+/// degree and with the logarithm of the least distance of two roots.
+///
+/// # Errors
+/// [`ErrorKind::Irregular`](crate::ErrorKind::Irregular) for the zero polynomial.
+///
+/// ```
+/// use tubecert::{number::parse_rational, roots::complex_roots};
+/// // x (x^2 + 1)^2
+/// let coefficients = ["0", "1", "0", "2", "0", "1"].map(|text| parse_rational(text).unwrap());
+/// let roots = complex_roots(&coefficients).unwrap();
+/// assert_eq!(roots.iter().map(|root| root.multiplicity()).collect::<Vec<_>>(), [1, 2, 2]);
+/// ```
+pub fn complex_roots(coefficients: &[Rational]) -> Result<Vec<ComplexRoot>, Error> {
+    let mut p = integers(coefficients);
+    if p.is_empty() {
+        return Err(zero_polynomial());
+    }
+    let zeros = p.iter().take_while(|c| c.is_zero()).count();
+    p.drain(..zeros);
+    let mut roots = vec![];
+    if zeros > 0 {
+        let factor = Arc::new(vec![Int::ZERO, Int::ONE]);
+        let centre = Gauss { re: BigInt::zero(), im: BigInt::zero() };
+        roots.push(ComplexRoot { multiplicity: zeros, factor, centre, radius: BigInt::zero(), depth: 0 });
+    }
+    if p.len() > 1 {
+        for (factor, multiplicity) in square_free_factors(&p) {
+            roots.extend(isolated(&Arc::new(factor), multiplicity));
+        }
+    }
+    // those of different factors are different
+    while let Some((i, j)) = meeting(&roots) {
+        for k in [i, j] {
+            let half = roots[k].radius() / BigInt::from(2);
+            roots[k].refine(&half);
+        }
+    }
+    let pair = |root: &ComplexRoot| !root.centre.im.is_zero();
+    let size = |root: &ComplexRoot| root.im().abs();
+    roots.sort_by(|a, b| {
+        let by_place = || compare(&a.re(), &b.re()).then_with(|| compare(&size(a), &size(b)));
+        pair(a).cmp(&pair(b)).then_with(by_place).then_with(|| compare(&b.im(), &a.im()))
+    });
+    Ok(roots)
+}
+
+impl ComplexRoot {
+    /// How often it counts.
+    #[must_use]
+    pub const fn multiplicity(&self) -> usize {
+        self.multiplicity
+    }
+
+    /// The real part of the centre.
+    #[must_use]
+    pub fn re(&self) -> Rational {
+        dyadic(&self.centre.re, self.depth)
+    }
+
+    /// The imaginary part of the centre: 0 for a real root.
+    #[must_use]
+    pub fn im(&self) -> Rational {
+        dyadic(&self.centre.im, self.depth)
+    }
+
+    /// The radius of the disk: 0 for a root that is known.
+    #[must_use]
+    pub fn radius(&self) -> Rational {
+        dyadic(&self.radius, self.depth)
+    }
+
+    /// Narrows the disk to at most this radius (> 0): Newton's method, each disk proved to lie in the one before.
+    pub fn refine(&mut self, radius: &Rational) {
+        let slope = derivative(&self.factor);
+        let mut bits = 8;
+        while compare(&self.radius(), radius).is_gt() {
+            let (at, old, depth) = (self.centre.shifted(bits), &self.radius << bits, self.depth + bits);
+            let step = at.value(&self.factor, depth).over(&at.value(&slope, depth));
+            let next = Gauss { re: &at.re - step.re, im: &at.im - step.im };
+            match disk(&self.factor, &slope, &next, depth) {
+                Some(radius) if at.holds(&old, &next, &radius) && radius <= &old >> 1_u8 => {
+                    (self.centre, self.radius, self.depth) = (next, radius, depth);
+                    bits *= 2;
+                }
+                // the step was rounded too coarsely
+                _ => bits += 8,
+            }
+        }
+    }
+}
+
+fn dyadic(x: &BigInt, depth: u64) -> Rational {
+    Rational::new(x.clone(), BigInt::one() << depth)
+}
+
+impl Gauss {
+    fn shifted(&self, bits: u64) -> Self {
+        Self { re: &self.re << bits, im: &self.im << bits }
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        Self { re: &self.re - &other.re, im: &self.im - &other.im }
+    }
+
+    fn norm(&self) -> BigInt {
+        &self.re * &self.re + &self.im * &self.im
+    }
+
+    /// p at this point over 2^depth, times 2^(depth n).
+    fn value(&self, p: &[Int], depth: u64) -> Self {
+        let (mut re, mut im) = (BigInt::zero(), BigInt::zero());
+        for (k, c) in p.iter().rev().enumerate() {
+            let next = &re * &self.re - &im * &self.im + (c.big() << (depth * k as u64));
+            im = &re * &self.im + &im * &self.re;
+            re = next;
+        }
+        Self { re, im }
+    }
+
+    /// The quotient, rounded; 0 for a divisor of 0.
+    fn over(&self, other: &Self) -> Self {
+        let norm = other.norm().max(BigInt::one());
+        let re = &self.re * &other.re + &self.im * &other.im;
+        let im = &self.im * &other.re - &self.re * &other.im;
+        Self { re: re / &norm, im: im / norm }
+    }
+
+    /// Does the disk about this point hold another?
+    fn holds(&self, radius: &BigInt, inner: &Self, less: &BigInt) -> bool {
+        less <= radius && self.minus(inner).norm() <= (radius - less).pow(2)
+    }
+}
+
+/// n |p(z) / p'(z)| from above, times 2^depth; `None` if p'(z) = 0.
+fn disk(p: &[Int], slope: &[Int], z: &Gauss, depth: u64) -> Option<BigInt> {
+    let n = BigInt::from(p.len() - 1);
+    let (value, rate) = (z.value(p, depth).norm() * &n * n, z.value(slope, depth).norm());
+    if value.is_zero() {
+        return Some(value);
+    }
+    (!rate.is_zero()).then(|| (value / rate).sqrt() + 1_u8)
+}
+
+/// Two disks that meet.
+fn meeting(roots: &[ComplexRoot]) -> Option<(usize, usize)> {
+    let apart = |a: &ComplexRoot, b: &ComplexRoot| {
+        let depth = a.depth.max(b.depth);
+        let [(x, r), (y, s)] = [a, b].map(|c| (c.centre.shifted(depth - c.depth), &c.radius << (depth - c.depth)));
+        x.minus(&y).norm() > (r + s).pow(2)
+    };
+    (0..roots.len()).flat_map(|j| (0..j).map(move |i| (i, j))).find(|(i, j)| !apart(&roots[*i], &roots[*j]))
+}
+
+/// The roots of a square-free factor without the root 0.
+fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize) -> Vec<ComplexRoot> {
+    let real = [true, false].map(|negative| one_side(factor, 1, negative).len()).iter().sum();
+    let (n, slope, scale) = (factor.len() - 1, derivative(factor), bound(factor));
+    // p(2^scale x), whose roots are in the unit disk
+    let shift = |k: usize| if scale < 0 { n - k } else { k } as u64 * scale.unsigned_abs();
+    let p: Vec<Int> = factor.iter().enumerate().map(|(k, c)| c << shift(k)).collect();
+    let size = p.iter().map(Int::bits).max().unwrap_or(0) as i64;
+    let near: Vec<Complex64> = p.iter().map(|c| Complex64 { re: c.to_f64_shifted(size), im: 0.0 }).collect();
+    let mut coarse = starts(&p);
+    aberth(&near, &mut coarse, -48);
+    let fixed = |x: f64, bits: u64| BigInt::from((x * 2f64.powi(60)) as i128) << bits >> 60_u8;
+    let mut found: Vec<Fixed> = vec![];
+    let mut bits = 32;
+    loop {
+        bits *= 2;
+        if found.is_empty() {
+            found = coarse
+                .iter()
+                .map(|z| Fixed { z: Gauss { re: fixed(z.re, bits), im: fixed(z.im, bits) }, bits })
+                .collect();
+        } else {
+            let near: Vec<Fixed> = p
+                .iter()
+                .map(|c| {
+                    let re = c.big() << bits >> size.unsigned_abs();
+                    Fixed { z: Gauss { re, im: BigInt::zero() }, bits }
+                })
+                .collect();
+            found = found.iter().map(|x| Fixed { z: x.z.shifted(bits - x.bits), bits }).collect();
+            aberth(&near, &mut found, 8 - bits as i64);
+        }
+        let depth = bits.saturating_add_signed(-scale);
+        let place = |x: &Fixed| x.z.shifted((scale.max(0) as u64).saturating_sub(bits));
+        let centres: Vec<Gauss> = found.iter().map(place).collect();
+        let Some(centres) = symmetric(centres, real) else { continue };
+        let root = |centre: Gauss| {
+            let radius = disk(factor, &slope, &centre, depth)?;
+            Some(ComplexRoot { multiplicity, factor: factor.clone(), centre, radius, depth })
+        };
+        let Some(upper) = centres.into_iter().map(root).collect::<Option<Vec<_>>>() else { continue };
+        let conjugate = |root: &ComplexRoot| {
+            let Gauss { re, im } = &root.centre;
+            (!im.is_zero()).then(|| ComplexRoot { centre: Gauss { re: re.clone(), im: -im }, ..root.clone() })
+        };
+        let roots: Vec<ComplexRoot> =
+            upper.iter().flat_map(|root| [Some(root.clone()), conjugate(root)]).flatten().collect();
+        if meeting(&roots).is_none() {
+            return roots;
+        }
+    }
+}
+
+/// As many places as there are real roots are put on the axis; of the others those above are taken, if they are half.
+fn symmetric(mut places: Vec<Gauss>, real: usize) -> Option<Vec<Gauss>> {
+    places.sort_by_cached_key(|z| z.im.abs());
+    places.iter_mut().take(real).for_each(|z| z.im = BigInt::zero());
+    let half = (places.len() - real) / 2;
+    places.retain(|z| !z.im.is_negative());
+    let above = places.iter().filter(|z| z.im.is_positive()).count();
+    (above == half && places.len() == real + half).then_some(places)
+}
+
+/// Complex numbers for the iteration.
+trait Number: Clone {
+    fn plus(&self, other: &Self) -> Self;
+    fn minus(&self, other: &Self) -> Self;
+    fn times(&self, other: &Self) -> Self;
+    /// The quotient; 0 for a divisor of 0.
+    fn over(&self, other: &Self) -> Self;
+    fn one(&self) -> Self;
+    /// About log2 of the size.
+    fn exponent(&self) -> i64;
+}
+
+/// Aberth's iteration, until no step is above 2^`goal` or it no longer helps.
+fn aberth<N: Number>(p: &[N], z: &mut [N], goal: i64) {
+    for _ in 0..200 {
+        let mut largest = i64::MIN;
+        for i in 0..z.len() {
+            let last = &p[p.len() - 1];
+            let (mut value, mut slope) = (last.clone(), last.minus(last));
+            for c in p.iter().rev().skip(1) {
+                slope = slope.times(&z[i]).plus(&value);
+                value = value.times(&z[i]).plus(c);
+            }
+            let one = z[i].one();
+            let newton = value.over(&slope);
+            let others = (0..z.len()).filter(|&j| j != i);
+            let pull = others.map(|j| one.over(&z[i].minus(&z[j]))).reduce(|a, b| a.plus(&b));
+            let step = pull.map_or(newton.clone(), |pull| newton.over(&one.minus(&newton.times(&pull))));
+            largest = largest.max(step.exponent());
+            z[i] = z[i].minus(&step);
+        }
+        if largest <= goal {
+            return;
+        }
+    }
+}
+
+/// On circles whose radii the Newton polygon of the coefficients gives.
+fn starts(p: &[Int]) -> Vec<Complex64> {
+    let logarithm = |c: &Int| {
+        let bits = c.bits() as i64;
+        bits as f64 + 2.0 * c.abs().to_f64_shifted(bits) - 2.0
+    };
+    let mut hull: Vec<(usize, f64)> = vec![];
+    for (k, c) in p.iter().enumerate().filter(|(_, c)| !c.is_zero()) {
+        let here = (k, logarithm(c));
+        let rise = |a: &(usize, f64), b: &(usize, f64)| (b.1 - a.1) / (b.0 - a.0) as f64;
+        while hull.len() > 1 && rise(&hull[hull.len() - 2], &hull[hull.len() - 1]) <= rise(&hull[hull.len() - 1], &here)
+        {
+            hull.pop();
+        }
+        hull.push(here);
+    }
+    // a turn by the golden angle spreads any number of points
+    let turn = Complex64 { re: -0.737_368_878_078_319_9, im: 0.675_490_294_261_523_8 };
+    let mut direction = Complex64 { re: 0.8, im: 0.6 };
+    let edges = hull.windows(2).flat_map(|edge| {
+        let exponent = (edge[0].1 - edge[1].1) / (edge[1].0 - edge[0].0) as f64;
+        let radius = ldexp(1.0 + exponent - exponent.floor(), exponent.floor() as i64);
+        vec![radius; edge[1].0 - edge[0].0]
+    });
+    edges
+        .map(|radius| {
+            direction = direction.times(&turn);
+            Complex64 { re: radius * direction.re, im: radius * direction.im }
+        })
+        .collect()
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Complex64 {
+    re: f64,
+    im: f64,
+}
+
+impl Number for Complex64 {
+    fn plus(&self, other: &Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
+    }
+
+    fn over(&self, other: &Self) -> Self {
+        let norm = other.re * other.re + other.im * other.im;
+        if norm < 1e-300 {
+            return Self { re: 0.0, im: 0.0 };
+        }
+        let conjugate = Self { re: other.re / norm, im: -other.im / norm };
+        self.times(&conjugate)
+    }
+
+    fn one(&self) -> Self {
+        Self { re: 1.0, im: 0.0 }
+    }
+
+    fn exponent(&self) -> i64 {
+        let (m, e) = decompose(self.re.abs().max(self.im.abs()));
+        if m == 0 { i64::MIN } else { e + 64 - i64::from(m.leading_zeros()) }
+    }
+}
+
+/// A Gaussian integer over 2^bits.
+#[derive(Debug, Clone)]
+struct Fixed {
+    z: Gauss,
+    bits: u64,
+}
+
+impl Number for Fixed {
+    fn plus(&self, other: &Self) -> Self {
+        Self { z: Gauss { re: &self.z.re + &other.z.re, im: &self.z.im + &other.z.im }, bits: self.bits }
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        Self { z: self.z.minus(&other.z), bits: self.bits }
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let (a, b) = (&self.z, &other.z);
+        let z = Gauss {
+            re: (&a.re * &b.re - &a.im * &b.im) >> self.bits,
+            im: (&a.re * &b.im + &a.im * &b.re) >> self.bits,
+        };
+        Self { z, bits: self.bits }
+    }
+
+    fn over(&self, other: &Self) -> Self {
+        Self { z: self.z.shifted(self.bits).over(&other.z), bits: self.bits }
+    }
+
+    fn one(&self) -> Self {
+        Self { z: Gauss { re: BigInt::one() << self.bits, im: BigInt::zero() }, bits: self.bits }
+    }
+
+    fn exponent(&self) -> i64 {
+        self.z.re.bits().max(self.z.im.bits()) as i64 - self.bits as i64
+    }
+}
