@@ -85,12 +85,12 @@ impl Rejection {
     }
 }
 
-/// Whether `a` <= `b`; `None` is +infinity.
+/// Whether `a` <= `b`; `None` is +infinity. A caller's number may have any denominator, and `compare` wants positive ones.
 fn at_most(a: Option<&Rational>, b: Option<&Rational>) -> bool {
     match (a, b) {
         (_, None) => true,
         (None, Some(_)) => false,
-        (Some(a), Some(b)) => compare(a, b).is_le(),
+        (Some(a), Some(b)) => a.denom().sign() == Sign::Plus && b.denom().sign() == Sign::Plus && compare(a, b).is_le(),
     }
 }
 

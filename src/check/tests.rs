@@ -240,6 +240,22 @@ fn parabola() {
     assert_eq!(changed(|c| c.ends.as_mut().unwrap()[0].axis = [0; 3]).section, "start");
 }
 
+/// A caller may spell a bound with `new_raw`: it proves nothing that its value does not.
+#[test]
+fn bounds_of_a_claim_that_are_not_in_lowest_terms() {
+    let curve = file("m98_5_1_parabola");
+    let text = include_str!("../../tests/certificates/accept/m98_5_1_parabola__naive.txt");
+    let certificate = Certificate::decode(text.as_bytes()).unwrap();
+    let raw = |num: i64, den: i64| Some(Rational::new_raw(num.into(), den.into()));
+    let proved = |lo, hi| verify(&Claim { curve: curve.clone(), lo, hi }, &certificate).is_ok();
+    assert!(proved(raw(2, 20), raw(20, 2)));
+    // 5 <= delta; delta <= -5; and no numbers at all
+    assert!(!proved(raw(-5, -1), None));
+    assert!(!proved(raw(0, 1), raw(5, -1)));
+    assert!(!proved(raw(0, 0), None));
+    assert!(!proved(raw(0, 1), raw(0, 0)));
+}
+
 #[test]
 fn straight_line() {
     let curve = file("straight_line");
