@@ -27,8 +27,10 @@ pub struct Certificate {
 pub(crate) enum Node {
     /// `/`: of an arc; of a pair of the same arc.
     Split,
-    /// `1`, `2`: of one arc of a pair.
-    SplitOne(Which),
+    /// `1`: of the first arc of a pair.
+    SplitFirst,
+    /// `2`: of the second.
+    SplitSecond,
     Curved,
     Cone([i64; 3]),
     Slab([i64; 3]),
@@ -38,19 +40,8 @@ pub(crate) enum Node {
     Share(i64),
 }
 
-/// The first or the second arc of a pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Which {
-    First,
-    Second,
-}
-
 /// The axis of the cone for `local`, and the tree.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct EndTree {
-    pub(crate) axis: [i64; 3],
-    pub(crate) nodes: Vec<Node>,
-}
+pub(crate) type EndTree = ([i64; 3], Vec<Node>);
 
 /// The witness of hi.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -70,10 +61,5 @@ pub(crate) enum Foot {
     Valley([Rational; 3]),
 }
 
-/// The arc from..to of the parameter of one span.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct SpanArc {
-    pub(crate) span: usize,
-    pub(crate) from: Rational,
-    pub(crate) to: Rational,
-}
+/// A span, and two values of its parameter.
+pub(crate) type SpanArc = (usize, [Rational; 2]);

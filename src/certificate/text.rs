@@ -5,7 +5,7 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, EndTree, Foot, Node, SpanArc, Upper, Which};
+use super::{Certificate, EndTree, Foot, Node, SpanArc, Upper};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -56,8 +56,8 @@ impl Certificate {
             tree("pairs\n".to_string(), pairs);
         }
         for (name, end) in ["start", "finish"].iter().zip(self.ends.iter().flatten()) {
-            let [x, y, z] = end.axis;
-            tree(format!("{name} {x} {y} {z}\n"), &end.nodes);
+            let ([x, y, z], nodes) = end;
+            tree(format!("{name} {x} {y} {z}\n"), nodes);
         }
         let list = |v: &[Rational]| v.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ");
         out += &match &self.upper {
@@ -72,7 +72,7 @@ impl Certificate {
                 format!("upper contact {}\n{}", list(x), feet.iter().map(foot).collect::<String>())
             }
             Upper::Crossing { arcs: [s, t], normal, first, second } => {
-                let arc = |a: &SpanArc| format!("{} {}", a.span, list(&[a.from.clone(), a.to.clone()]));
+                let arc = |(span, ends): &SpanArc| format!("{span} {}", list(ends));
                 let [n, e, f] = [normal, first, second].map(|v| list(v));
                 format!("upper crossing {} {}\nnormal {n}\nfirst {e}\nsecond {f}\n", arc(s), arc(t))
             }
@@ -86,8 +86,8 @@ impl Node {
     pub(crate) const fn name(&self) -> &'static str {
         match self {
             Self::Split => "/",
-            Self::SplitOne(Which::First) => "1",
-            Self::SplitOne(Which::Second) => "2",
+            Self::SplitFirst => "1",
+            Self::SplitSecond => "2",
             Self::Curved => "curved",
             Self::Cone(_) => "cone",
             Self::Slab(_) => "slab",
@@ -175,7 +175,7 @@ impl<'a> Lines<'a> {
     fn end_tree(&mut self, name: &str) -> Result<EndTree, Error> {
         let fields: [&str; 3] = self.fields(name)?;
         let axis = whole(&fields).ok_or_else(|| self.error("wanted three integers"))?;
-        Ok(EndTree { axis, nodes: self.nodes() })
+        Ok((axis, self.nodes()))
     }
 
     fn bound(&mut self, name: &str) -> Result<Option<Rational>, Error> {
@@ -223,10 +223,7 @@ impl<'a> Lines<'a> {
             }
             ["crossing", i, s0, s1, j, t0, t1] => {
                 let [s0, s1, t0, t1] = self.rationals([s0, s1, t0, t1])?;
-                let arcs = [
-                    SpanArc { span: self.index(i)?, from: s0, to: s1 },
-                    SpanArc { span: self.index(j)?, from: t0, to: t1 },
-                ];
+                let arcs = [(self.index(i)?, [s0, s1]), (self.index(j)?, [t0, t1])];
                 let mut vector = |name| self.fields(name).and_then(|fields| self.rationals(fields));
                 Ok(Upper::Crossing {
                     arcs,
@@ -263,8 +260,8 @@ fn node(line: &str) -> Option<Node> {
     let (name, rest) = fields.split_first()?;
     Some(match (*name, rest) {
         ("/", []) => Node::Split,
-        ("1", []) => Node::SplitOne(Which::First),
-        ("2", []) => Node::SplitOne(Which::Second),
+        ("1", []) => Node::SplitFirst,
+        ("2", []) => Node::SplitSecond,
         ("curved", []) => Node::Curved,
         ("cone", rest) => Node::Cone(whole(rest)?),
         ("slab", rest) => Node::Slab(whole(rest)?),

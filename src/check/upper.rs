@@ -1,164 +1,134 @@
 //! The witness of hi: docs/certificate-format.md, section 6.
 
+use std::rc::Rc;
+
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 
-use super::arc::Spine;
-use super::poly::{Poly, cross, dot, zip};
-use super::rules::{Squared, Why, check, curvature};
+use super::arc::{Piece, Place, Spine, difference};
+use super::poly::{Poly, Vector, cross, dot};
+use super::rules::{Why, check, curvature};
 use crate::certificate::{Foot, SpanArc, Upper};
 use crate::number::{Rational, compare};
+
+const NO_SPAN: Why = "there is no such span";
 
 /// `upper` proves that delta is at most `hi`.
 pub(super) fn upper(spine: &Spine, upper: &Upper, hi: Option<&Rational>) -> Result<(), Why> {
     let Some(hi) = hi else {
         return check(*upper == Upper::None, "hi is inf and has a witness");
     };
-    let limit = Squared::of(hi);
     match upper {
         Upper::None => Err("hi has no witness"),
-        Upper::Curvature { span, t } => curved(spine, *span, t, &limit),
-        Upper::Corner(joint) => {
-            check(*joint < spine.spans.len(), "there is no such joint")?;
-            check(*joint > 0 || spine.ends_meet(), "the ends are two points")?;
-            check(!spine.is_smooth(*joint), "the joint is smooth")
+        Upper::Curvature { span, t } => {
+            let piece = spine.spans.get(*span).ok_or(NO_SPAN)?;
+            check(within(t, &Rational::zero(), &Rational::one()), "t is not in 0 .. 1")?;
+            check(piece.wb().iter().any(|b| !b.at(t).is_zero()), "b is 0 there")?;
+            check(!curvature(piece, &(hi * hi)).at(t).is_positive(), "the curvature there is less than 1/hi")
         }
-        Upper::Contact { x, feet } => contact(spine, x, feet, &limit),
-        Upper::Crossing { arcs, normal, first, second } => crossing(spine, arcs, [normal, first, second]),
+        Upper::Corner(joint) => match spine.joint(*joint) {
+            None => Err("there is no such joint"),
+            Some([one_point, one_direction]) => {
+                check(one_point, "the ends are two points")?;
+                check(!one_direction, "the joint is smooth")
+            }
+        },
+        Upper::Contact { x, feet } => contact(spine, x, feet, &(hi * hi)),
+        Upper::Crossing { arcs, normal, first, second } => {
+            crossing(spine, arcs, [normal, first, second].map(|v| integers(v).0))
+        }
     }
 }
-
-fn curved(spine: &Spine, span: usize, t: &Rational, limit: &Squared) -> Result<(), Why> {
-    let piece = spine.spans.get(span).ok_or(NO_SPAN)?;
-    check(within(t, &Rational::zero(), &Rational::one()), "t is not in 0 .. 1")?;
-    let at = |f: &Poly| f.at(t.numer(), t.denom());
-    check(piece.b().iter().any(|b| !at(b).is_zero()), "b is 0 there")?;
-    check(at(&curvature(piece, limit)).sign() != Sign::Plus, "the curvature there is less than 1/hi")
-}
-
-const NO_SPAN: Why = "there is no such span";
 
 fn within(x: &Rational, from: &Rational, to: &Rational) -> bool {
     compare(from, x).is_le() && compare(x, to).is_le()
 }
 
-/// x - C at a position, and a there.
-struct Offset {
-    num: [BigInt; 3],
-    den: BigInt,
-    a: [BigInt; 3],
-}
-
-impl Offset {
-    fn square(&self) -> (BigInt, BigInt) {
-        (self.num.iter().map(|c| c * c).sum(), &self.den * &self.den)
-    }
-
-    fn at_most(&self, limit: &Squared) -> Result<(), Why> {
-        let (num, den) = self.square();
-        check(num * &limit.den <= &limit.num * den, "the point is farther than hi from the spine there")
-    }
-
-    fn less_than(&self, other: &Self) -> Result<(), Why> {
-        let ((p, q), (u, v)) = (self.square(), other.square());
-        check(p * v < u * q, "an end of a valley is not farther")
-    }
-}
-
-fn offset(spine: &Spine, [x, y, z]: &[Rational; 3], position: &Rational) -> Result<Offset, Why> {
-    let count = BigInt::from(spine.spans.len());
-    let whole = position.floor().to_integer();
-    let mut t = position - &whole;
-    let mut span = whole.clone();
-    if spine.closed {
-        check(-&count <= whole && position.numer() <= &(position.denom() * &count * 2), "a position is out of range")?;
-        span = num_integer::Integer::mod_floor(&span, &count);
-    } else if whole == count && t.is_zero() {
-        (span, t) = (count - 1, Rational::one());
-    }
-    let piece =
-        usize::try_from(span).ok().and_then(|span| spine.spans.get(span)).ok_or("a position is out of range")?;
-    let at = |f: &Poly| f.at(t.numer(), t.denom());
-    let w = at(&piece.full_weight());
+/// A vector times its common denominator, and that.
+fn integers([x, y, z]: &[Rational; 3]) -> (Vector, Poly) {
     let common = x.denom() * y.denom() * z.denom();
-    let integer = |x: &Rational| x.numer() * (&common / x.denom());
-    let num = zip([x, y, z], piece.r.each_ref(), |x, r| integer(x) * &w - at(r) * &common);
-    Ok(Offset { num, den: common * w, a: piece.a().each_ref().map(at) })
+    ([x, y, z].map(|c| Poly::constant(c.numer() * (&common / c.denom()))), Poly::constant(common))
 }
 
-fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], limit: &Squared) -> Result<(), Why> {
-    let count = Rational::from_integer(spine.spans.len().into());
+/// Two stretches of the spine, given by their positions, have no point in common.
+fn apart(spine: &Spine, [first, last]: [&Rational; 2], [next, end]: [&Rational; 2]) -> Result<(), Why> {
+    let around = first + BigInt::from(spine.spans.len());
+    let apart = compare(last, next).is_lt() && (!spine.closed || compare(end, &around).is_lt());
+    check(apart, "the two are not apart on the spine")
+}
+
+fn place(spine: &Spine, position: &Rational) -> Result<Place, Why> {
+    let count = BigInt::from(spine.spans.len());
+    let turns = if spine.closed { -1..=2 } else { 0..=1 };
+    let [from, to] = [turns.start(), turns.end()].map(|turn| Rational::from(&count * turn));
+    check(within(position, &from, &to), "a position is out of range")?;
+    let turn = (position / &count).floor() * &count;
+    let position = if spine.closed { position - turn } else { position.clone() };
+    let span = position.to_integer().min(count - 1);
+    let piece = usize::try_from(&span).ok().and_then(|span| spine.spans.get(span)).ok_or(NO_SPAN)?;
+    Ok(piece.at(&(position - span)))
+}
+
+fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], hi_squared: &Rational) -> Result<(), Why> {
+    let (x, common) = integers(x);
+    // |x - C|^2 at a position as numerator and denominator, and a multiple of a.(x - C)
+    let distance = |position| {
+        let place = place(spine, position)?;
+        let (away, den) = (difference((&x, &common), (&place.r, &place.w)), common.times(&place.w));
+        Ok::<_, Why>((dot(&away, &away), den.times(&den), dot(&place.a, &away)))
+    };
     for foot in feet {
-        let at = |position| offset(spine, x, position);
-        match foot {
-            Foot::Plane(position) => {
-                let here = at(position)?;
-                let along: BigInt = here.a.iter().zip(&here.num).map(|(a, c)| a * c).sum();
-                check(along.is_zero(), "the point is not in the plane")?;
-                here.at_most(limit)?;
+        let (Foot::Plane(position) | Foot::Valley([_, position, _])) = foot;
+        let (num, den, along) = distance(position)?;
+        if let Foot::Valley([from, _, to]) = foot {
+            let ordered = compare(from, position).is_lt() && compare(position, to).is_lt();
+            let once = compare(&(to - from), &BigInt::from(spine.spans.len()).into()).is_lt();
+            check(ordered && once, "the positions of a valley are not in order")?;
+            for end in [from, to] {
+                let (far, unit, _) = distance(end)?;
+                check(far.times(&den).minus(num.times(&unit)).is_positive(), "an end of a valley is not farther")?;
             }
-            Foot::Valley([from, position, to]) => {
-                let ordered = compare(from, position).is_lt() && compare(position, to).is_lt();
-                check(ordered && compare(&(to - from), &count).is_lt(), "the positions of a valley are not in order")?;
-                let here = at(position)?;
-                here.at_most(limit)?;
-                here.less_than(&at(from)?)?;
-                here.less_than(&at(to)?)?;
-            }
+        } else {
+            check(along.is_zero(), "the point is not in the plane")?;
         }
+        let beyond = num.scaled(hi_squared.denom()).minus(den.scaled(hi_squared.numer())).is_positive();
+        check(!beyond, "the point is farther than hi from the spine there")?;
     }
-    let [(first, last), (next, end)] = feet.each_ref().map(|foot| match foot {
-        Foot::Plane(position) => (position, position),
-        Foot::Valley([from, _, to]) => (from, to),
+    let [first, second] = feet.each_ref().map(|foot| match foot {
+        Foot::Plane(position) => [position, position],
+        Foot::Valley([from, _, to]) => [from, to],
     });
-    let around = !spine.closed || compare(end, &(first + count)).is_lt();
-    check(compare(last, next).is_lt() && around, "the two are not apart on the spine")
+    apart(spine, first, second)
 }
 
-/// An arc of a span: its control points and weights, both times binomials.
-fn arc(spine: &Spine, SpanArc { span, from, to }: &SpanArc) -> Result<([Poly; 3], Poly), Why> {
+/// An arc of a span, whose weights are > 0, and its positions.
+fn part(spine: &Spine, (span, [from, to]): &SpanArc) -> Result<(Rc<Piece>, [Rational; 2]), Why> {
     let piece = spine.spans.get(*span).ok_or(NO_SPAN)?;
-    let [zero, one] = [Rational::zero(), Rational::one()];
-    let inside = within(from, &zero, &one) && within(to, &zero, &one) && compare(from, to).is_lt();
-    check(inside, "an arc is not within its span")?;
+    let inside = within(from, &Rational::zero(), to) && within(to, from, &Rational::one());
+    check(inside && compare(from, to).is_lt(), "an arc is not within its span")?;
+    // first 0 .. b/q, then its part from a/b on
     let (a, b, q) = (from.numer() * to.denom(), to.numer() * from.denom(), from.denom() * to.denom());
-    let part = |f: &Poly| f.between(&a, &b, &q);
-    let w = part(&piece.full_weight());
-    check(w.is_positive(), "a control weight is not positive")?;
-    Ok((piece.r.each_ref().map(part), w))
+    let part = |f: &Poly| f.start(&b, &q).reversed().start(&(&b - &a), &b).reversed();
+    let part = Piece::new(BigInt::zero(), BigInt::zero(), piece.r.each_ref().map(part), part(&piece.full_weight()));
+    check(part.w.is_positive(), "a control weight is not positive")?;
+    Ok((part, [from, to].map(|t| t + BigInt::from(*span))))
 }
 
-fn crossing(spine: &Spine, arcs: &[SpanArc; 2], vectors: [&[Rational; 3]; 3]) -> Result<(), Why> {
-    let [s, t] = arcs;
-    let [(r, v), (q, w)] = [arc(spine, s)?, arc(spine, t)?];
-    let place = |arc: &SpanArc, t: &Rational| t + Rational::from_integer(arc.span.into());
-    let count = Rational::from_integer(spine.spans.len().into());
-    let apart = compare(&place(s, &s.to), &place(t, &t.from)).is_lt();
-    let around = !spine.closed || compare(&place(t, &t.to), &(place(s, &s.from) + count)).is_lt();
-    check(apart && around, "the two arcs are not apart on the spine")?;
-
-    // a positive multiple of a vector is as good
-    let [normal, first, second] = vectors.map(|[x, y, z]| {
-        let common = x.denom() * y.denom() * z.denom();
-        [x, y, z].map(|c| Poly(vec![c.numer() * (&common / c.denom())]))
-    });
+fn crossing(spine: &Spine, [s, t]: &[SpanArc; 2], [normal, first, second]: [Vector; 3]) -> Result<(), Why> {
+    let [(a, of_a), (b, of_b)] = [part(spine, s)?, part(spine, t)?];
+    apart(spine, of_a.each_ref(), of_b.each_ref())?;
     check(!dot(&normal, &cross(&first, &second)).is_zero(), "the determinant is 0")?;
-    let level = |f: &[Poly; 3]| dot(f, &normal);
-    let (height, other) = (level(&r), level(&q));
-    // p_i/v_i is one value for all i, and that of the other arc
-    let (Some(p), Some(base)) = (height.0.first(), v.0.first()) else { return Err(NO_SPAN) };
-    let flat = |heights: &Poly, weights: &Poly| heights.0.iter().zip(&weights.0).all(|(h, w)| h * base == p * w);
-    check(flat(&height, &v) && flat(&other, &w), "the arcs are not in one plane across the normal")?;
-
-    // at an end of s, D.first = (r.first)(s) w(t) - v(s) (q.first)(t) with r, v the end's
-    let side = |h: &BigInt, v: &BigInt, f: &Poly, w: &Poly| w.scaled(h).minus(f.scaled(v));
-    let opposite = |f: &Poly, v: &Poly, other: &Poly, w: &Poly| {
-        let start = f.0.first().zip(v.0.first()).map(|(h, v)| side(h, v, other, w));
-        let end = f.0.last().zip(v.0.last()).map(|(h, v)| side(h, v, other, w));
-        let signs = |p, q| start.iter().all(|f| f.has_sign(p)) && end.iter().all(|f| f.has_sign(q));
+    let [start, end] = [Rational::zero(), Rational::one()];
+    // v.(C - C(e)), times weights, on an arc
+    let away = |piece: &Piece, e: Place, v| dot(&difference((&piece.r, &piece.w), (&e.r, &e.w)), v);
+    let flat = [&a, &b].iter().all(|piece| away(piece, a.at(&start), &normal).is_zero());
+    check(flat, "the arcs are not in one plane across the normal")?;
+    // D.v (-D.v) where s (t) is 0, and where it is 1
+    let opposite = |a: &Piece, b: &Piece, v| {
+        let [p, q] = [&start, &end].map(|t| away(b, a.at(t), v));
+        let signs = |of_p, of_q| p.has_sign(of_p) && q.has_sign(of_q);
         signs(Sign::Plus, Sign::Minus) || signs(Sign::Minus, Sign::Plus)
     };
-    let miranda =
-        opposite(&dot(&r, &first), &v, &dot(&q, &first), &w) && opposite(&dot(&q, &second), &w, &dot(&r, &second), &v);
+    let miranda = opposite(&a, &b, &first) && opposite(&b, &a, &second);
     check(miranda, "the coefficients on opposite sides have no opposite strict signs")
 }

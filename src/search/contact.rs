@@ -5,7 +5,7 @@ use super::frame::{At, ExactForms, Frame};
 use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
-use crate::certificate::{Foot, SpanArc, Upper};
+use crate::certificate::{Foot, Upper};
 use crate::integer::Int;
 use crate::number::{Rational, compare};
 use crate::spine::Bezier;
@@ -174,7 +174,7 @@ fn crossing([s, t]: [&Strand; 2], normal: [Rational; 3], [first, second]: [[Rati
         let [from, to] = &strand.ends;
         // an arc that ends at a joint ends in its own segment
         let end = if to.segment == from.segment { to.t.rational() } else { Dyadic::ONE.rational() };
-        SpanArc { span: from.segment, from: from.t.rational(), to: end }
+        (from.segment, [from.t.rational(), end])
     };
     let place = |strand: &Strand| (strand.ends[0].segment, strand.ends[0].t.rational());
     let ((i, a), (j, b)) = (place(s), place(t));
