@@ -11,7 +11,7 @@ use num_traits::{One, Zero};
 use super::poly::{Poly, Vector, cross, dot, zip};
 use super::rules::{Why, check};
 use crate::curve::Curve;
-use crate::number::{Rational, compare, same};
+use crate::number::{Rational, same};
 
 /// No part is deeper than so many halvings, so positions are integers over 2^DEPTH.
 const DEPTH: usize = 512;
@@ -185,41 +185,50 @@ fn bezier(curve: &Curve) -> impl Iterator<Item = [Vec<BigInt>; 4]> {
     let n = curve.degree();
     (n..curve.control_points().len()).filter_map(move |k| {
         // the 2n knots round the span, and the n + 1 points that count there
-        let knots = curve.knots().get(k + 1 - n..k + 1 + n)?;
+        let (below, above) = (curve.knots().get(k + 1 - n..=k)?, curve.knots().get(k + 1..=k + n)?);
         let (points, weights) = (curve.control_points().get(k - n..=k)?, curve.weights().get(k - n..=k)?);
-        let (start, end) = (knots.get(n - 1)?, knots.get(n)?);
-        let homogeneous = |([x, y, z], w): (&[Rational; 3], &Rational)| [x * w, y * w, z * w, w.clone()];
-        let points: Vec<_> = points.iter().zip(weights).map(homogeneous).collect();
-        if compare(start, end).is_ge() {
+        let (start, end) = (below.last()?, above.first()?);
+        if same(start, end) {
             return None;
         }
-        // control point j is the blossom at j times the end, the other times the start of the span
-        let argument = |j, level| if level <= j { end } else { start };
-        let control = (0..=n).flat_map(|j| {
-            (1..=n).fold(points.clone(), |points, level| blossom(&points, knots, level, argument(j, level)))
-        });
-        let control: Vec<_> = control.collect();
-        let common = control.iter().flatten().fold(BigInt::one(), |common, c| common.lcm(c.denom()));
+        let homogeneous = |([x, y, z], w): (&[Rational; 3], &Rational)| [x * w, y * w, z * w, w.clone()];
+        let points = points.iter().zip(weights).map(homogeneous).collect();
+        // the points over the knots start, ..., start and those above; then over start, ..., start, end, ..., end
+        let mut points = blossoms(points, below, above, start, <[_]>::last);
+        points.reverse();
+        let points = blossoms(points, &vec![start.clone(); n], above, end, <[_]>::first);
+        let common = points.iter().flatten().fold(BigInt::one(), |common, c| common.lcm(c.denom()));
         let line = |of: fn(&[Rational; 4]) -> &Rational| {
-            control.iter().map(of).map(|c| c.numer() * (&common / c.denom())).collect()
+            points.iter().map(of).map(|c| c.numer() * (&common / c.denom())).collect()
         };
         Some([line(|[x, ..]| x), line(|[_, y, ..]| y), line(|[.., z, _]| z), line(|[.., w]| w)])
     })
 }
 
-/// One level of de Boor's triangle over the 2n knots round the span: the argument `level` of the blossom is `x`.
-fn blossom(points: &[[Rational; 4]], knots: &[Rational], level: usize, x: &Rational) -> Vec<[Rational; 4]> {
-    let pairs = points.iter().zip(points.iter().skip(1));
-    let around = knots.iter().skip(level - 1).zip(knots.iter().skip(knots.len() / 2));
-    let between = pairs.zip(around).map(|((p, q), (low, high))| {
-        // at an end of the interval nothing is computed: the common case, and exact numbers grow
-        if same(x, low) || same(x, high) {
-            return if same(x, low) { p.clone() } else { q.clone() };
-        }
-        let share = (x - low) / (high - low);
-        let mix = |p: &Rational, q: &Rational| p + (q - p) * &share;
-        let ([px, py, pz, pw], [qx, qy, qz, qw]) = (p, q);
-        [mix(px, qx), mix(py, qy), mix(pz, qz), mix(pw, qw)]
-    });
-    between.collect()
+/// An edge of de Boor's triangle over n knots below and n above a span: point k is the blossom at k times x and n - k knots,
+/// those next to the span on the side of the edge.
+fn blossoms(
+    mut points: Vec<[Rational; 4]>,
+    below: &[Rational],
+    above: &[Rational],
+    x: &Rational,
+    edge: fn(&[[Rational; 4]]) -> Option<&[Rational; 4]>,
+) -> Vec<[Rational; 4]> {
+    let mut found = vec![];
+    for level in 0..=above.len() {
+        found.extend(edge(&points).cloned());
+        let around = below.iter().skip(level).zip(above);
+        let next = points.iter().zip(points.iter().skip(1)).zip(around).map(|((p, q), (low, high))| {
+            // at an end of the interval nothing is computed: the common case, and exact numbers grow
+            if same(x, low) || same(x, high) {
+                return if same(x, low) { p.clone() } else { q.clone() };
+            }
+            let share = (x - low) / (high - low);
+            let mix = |p: &Rational, q: &Rational| p + (q - p) * &share;
+            let ([px, py, pz, pw], [qx, qy, qz, qw]) = (p, q);
+            [mix(px, qx), mix(py, qy), mix(pz, qz), mix(pw, qw)]
+        });
+        points = next.collect();
+    }
+    found
 }
