@@ -37,7 +37,7 @@ pub(super) struct Products {
     pub(super) rr: Poly,
     pub(super) ww: Poly,
     pub(super) rw: Vector,
-    /// With the point (r, w) of another piece D.a: D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).
+    /// Paired with (r, w) of another piece D.a: D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).
     pub(super) tilt: [Poly; 4],
 }
 
@@ -86,10 +86,17 @@ impl Piece {
         w
     }
 
-    /// The point and a at t, each up to a positive factor.
-    pub(super) fn at(&self, t: &Rational) -> Place {
+    /// The point at t, and a there, as a piece of the degree 0.
+    pub(super) fn at(&self, t: &Rational) -> Rc<Self> {
         let at = |f: &Poly| f.at(t);
-        Place { r: self.r.each_ref().map(at), w: at(&self.full_weight()), a: self.a().each_ref().map(at) }
+        let place = Self::new(BigInt::zero(), BigInt::zero(), self.r.each_ref().map(at), at(&self.full_weight()));
+        place.a.get_or_init(|| self.a().each_ref().map(at));
+        place
+    }
+
+    /// The vector C - C' from another piece to this one, times both weights.
+    pub(super) fn away_from(&self, other: &Self) -> Vector {
+        zip(self.r.each_ref(), other.r.each_ref(), |r, p| r.times(&other.w).minus(p.times(&self.w)))
     }
 
     /// The parts up to and from the middle.
@@ -105,13 +112,6 @@ impl Piece {
         let first = part(&self.from, middle, &|f| f.start(&one, &two));
         [first, part(middle, &self.to, &|f| f.reversed().start(&one, &two).reversed())]
     }
-}
-
-/// A point of the spine (r, w), and a there: constants.
-pub(super) struct Place {
-    pub(super) r: Vector,
-    pub(super) w: Poly,
-    pub(super) a: Vector,
 }
 
 pub(super) struct Spine {
@@ -166,8 +166,7 @@ impl Spine {
         let before = if k == 0 { self.spans.last() } else { self.spans.get(k - 1) };
         let (p, q) = (before?.at(&Rational::one()), self.spans.get(k)?.at(&Rational::zero()));
         let is_zero = |v: Vector| v.iter().all(Poly::is_zero);
-        let one_point = is_zero(difference((&p.r, &p.w), (&q.r, &q.w)));
-        Some([one_point, is_zero(cross(&p.a, &q.a)) && dot(&p.a, &q.a).is_positive()])
+        Some([is_zero(p.away_from(&q)), is_zero(cross(p.a(), q.a())) && dot(p.a(), q.a()).is_positive()])
     }
 
     pub(super) fn is_smooth(&self, k: usize) -> bool {
@@ -175,58 +174,53 @@ impl Spine {
     }
 }
 
-/// r/w - p/v, times both weights.
-pub(super) fn difference((r, w): (&Vector, &Poly), (p, v): (&Vector, &Poly)) -> Vector {
-    zip(r.each_ref(), p.each_ref(), |r, p| r.times(v).minus(p.times(w)))
-}
-
 /// The homogeneous control points of each span, x, y, z, w apart, as integers.
 fn bezier(curve: &Curve) -> impl Iterator<Item = [Vec<BigInt>; 4]> {
     let n = curve.degree();
     (n..curve.control_points().len()).filter_map(move |k| {
-        // the 2n knots round the span, and the n + 1 points that count there
+        // the knots round the span, and the points that count there
         let (below, above) = (curve.knots().get(k + 1 - n..=k)?, curve.knots().get(k + 1..=k + n)?);
         let (points, weights) = (curve.control_points().get(k - n..=k)?, curve.weights().get(k - n..=k)?);
         let (start, end) = (below.last()?, above.first()?);
+        let line = |of: fn(&[Rational; 3], &Rational) -> Rational| {
+            // the coefficients over the knots start, ..., start and those above; then over start, ..., start, end, ..., end
+            let all = points.iter().zip(weights).map(|(point, w)| of(point, w)).collect();
+            let mut half = blossoms(all, below, above, start, <[_]>::last);
+            half.reverse();
+            blossoms(half, &vec![start.clone(); n], above, end, <[_]>::first)
+        };
         if same(start, end) {
             return None;
         }
-        let homogeneous = |([x, y, z], w): (&[Rational; 3], &Rational)| [x * w, y * w, z * w, w.clone()];
-        let points = points.iter().zip(weights).map(homogeneous).collect();
-        // the points over the knots start, ..., start and those above; then over start, ..., start, end, ..., end
-        let mut points = blossoms(points, below, above, start, <[_]>::last);
-        points.reverse();
-        let points = blossoms(points, &vec![start.clone(); n], above, end, <[_]>::first);
-        let common = points.iter().flatten().fold(BigInt::one(), |common, c| common.lcm(c.denom()));
-        let line = |of: fn(&[Rational; 4]) -> &Rational| {
-            points.iter().map(of).map(|c| c.numer() * (&common / c.denom())).collect()
-        };
-        Some([line(|[x, ..]| x), line(|[_, y, ..]| y), line(|[.., z, _]| z), line(|[.., w]| w)])
+        let lines =
+            [line(|[x, ..], w| x * w), line(|[_, y, _], w| y * w), line(|[.., z], w| z * w), line(|_, w| w.clone())];
+        let common = lines.iter().flatten().fold(BigInt::one(), |common, c| common.lcm(c.denom()));
+        Some(lines.map(|line| line.iter().map(|c| c.numer() * (&common / c.denom())).collect()))
     })
 }
 
-/// An edge of de Boor's triangle over n knots below and n above a span: point k is the blossom at k times x and n - k knots,
-/// those next to the span on the side of the edge.
+/// An edge of de Boor's triangle over n knots below and n above a span: its number k is the blossom at k times x and the
+/// n - k knots next to the span on the side of the edge.
 fn blossoms(
-    mut points: Vec<[Rational; 4]>,
+    mut points: Vec<Rational>,
     below: &[Rational],
     above: &[Rational],
     x: &Rational,
-    edge: fn(&[[Rational; 4]]) -> Option<&[Rational; 4]>,
-) -> Vec<[Rational; 4]> {
+    edge: fn(&[Rational]) -> Option<&Rational>,
+) -> Vec<Rational> {
     let mut found = vec![];
     for level in 0..=above.len() {
         found.extend(edge(&points).cloned());
         let around = below.iter().skip(level).zip(above);
         let next = points.iter().zip(points.iter().skip(1)).zip(around).map(|((p, q), (low, high))| {
             // at an end of the interval nothing is computed: the common case, and exact numbers grow
-            if same(x, low) || same(x, high) {
-                return if same(x, low) { p.clone() } else { q.clone() };
+            if same(x, low) || same(p, q) {
+                p.clone()
+            } else if same(x, high) {
+                q.clone()
+            } else {
+                p + (q - p) * ((x - low) / (high - low))
             }
-            let share = (x - low) / (high - low);
-            let mix = |p: &Rational, q: &Rational| p + (q - p) * &share;
-            let ([px, py, pz, pw], [qx, qy, qz, qw]) = (p, q);
-            [mix(px, qx), mix(py, qy), mix(pz, qz), mix(pw, qw)]
         });
         points = next.collect();
     }

@@ -113,13 +113,9 @@ impl Poly {
 
     /// q^degree times the value at t = p/q.
     pub(super) fn at(&self, t: &Rational) -> Self {
-        let (p, rest) = (t.numer(), t.denom() - t.numer());
-        let (mut value, mut power) = (BigInt::zero(), BigInt::one());
-        for c in self.0.iter().rev() {
-            value = value * p + c * &power;
-            power *= &rest;
-        }
-        Self(vec![value])
+        let rest = t.denom() - t.numer();
+        let step = |(value, power), c| (value * t.numer() + c * &power, power * &rest);
+        Self::constant(self.0.iter().rev().fold((BigInt::zero(), BigInt::one()), step).0)
     }
 
     /// f(s) g(t), this being f.

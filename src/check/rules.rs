@@ -6,14 +6,14 @@ use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_traits::{One, Zero};
 
-use super::arc::{Piece, Place, difference};
-use super::poly::{Poly, Vector, cross, dot, paired};
+use super::arc::Piece;
+use super::poly::{Poly, cross, dot, paired};
 use crate::number::{Rational, compare};
 
 /// Why a condition is not true.
 pub(super) type Why = &'static str;
 
-const NOT_POSITIVE: Why = "a coefficient is not positive";
+pub(super) const NOT_POSITIVE: Why = "a coefficient is not positive";
 const WEIGHTS: Why = "a control weight is not positive";
 /// The unit of `bent` and `share`.
 const UNIT: u32 = 20;
@@ -54,31 +54,20 @@ pub(super) fn cone(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<(), Why> {
 }
 
 /// g.p of the control points p.
-fn heights(r: &Vector, w: Poly, g: &[i64; 3]) -> impl Iterator<Item = Rational> {
-    dot(r, &g.map(Poly::constant)).0.into_iter().zip(w.0).map(|(p, w)| Rational::new_raw(p, w))
-}
-
-fn all_heights(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<Vec<Rational>, Why> {
+fn heights(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<Vec<Rational>, Why> {
     check(pieces.iter().all(|piece| piece.w.is_positive()), WEIGHTS)?;
-    Ok(pieces.iter().flat_map(|piece| heights(&piece.r, piece.full_weight(), g)).collect())
-}
-
-/// All of `above` are higher than all of `below` by more than 2 r |g|. Denominators are positive.
-fn apart(above: &[Rational], below: &[Rational], g: &[i64; 3], r: &Rational) -> Result<(), Why> {
-    let least = above.iter().min_by(|p, q| compare(p, q)).ok_or("there are no control points")?;
-    let most = below.iter().max_by(|p, q| compare(p, q)).ok_or("there are no control points")?;
-    let (num, den) = (least.numer() * most.denom() - most.numer() * least.denom(), least.denom() * most.denom());
-    let far = num.sign() == Sign::Plus && &num * &num * r.denom() > (r.numer() * square(g) * &den * &den) << 2_u8;
-    check(far, "the two are not so far apart along the normal")
+    let axis = g.map(Poly::constant);
+    let fractions = pieces.iter().flat_map(|piece| dot(&piece.r, &axis).0.into_iter().zip(piece.full_weight().0));
+    Ok(fractions.map(|(num, den)| Rational::new_raw(num, den)).collect())
 }
 
 pub(super) fn slab(a: &[Rc<Piece>], b: &[Rc<Piece>], g: &[i64; 3], r: &Rational) -> Result<(), Why> {
-    apart(&all_heights(a, g)?, &all_heights(b, g)?, g, r)
-}
-
-pub(super) fn end_slab(end: &Place, pieces: &[Rc<Piece>], g: &[i64; 3], r: &Rational) -> Result<(), Why> {
-    let place: Vec<_> = heights(&end.r, end.w.clone(), g).collect();
-    apart(&all_heights(pieces, g)?, &place, g, r)
+    let (above, below) = (heights(a, g)?, heights(b, g)?);
+    let ends = above.iter().min_by(|p, q| compare(p, q)).zip(below.iter().max_by(|p, q| compare(p, q)));
+    let (least, most) = ends.ok_or("there are no control points")?;
+    let (num, den) = (least.numer() * most.denom() - most.numer() * least.denom(), least.denom() * most.denom());
+    let far = num.sign() == Sign::Plus && &num * &num * r.denom() > (r.numer() * square(g) * &den * &den) << 2_u8;
+    check(far, "the two are not so far apart along the normal")
 }
 
 /// The first weights of two pieces without common factor: > 0, as values of w, for which `curved` stands.
@@ -97,12 +86,8 @@ pub(super) fn side(a: &Piece, b: &Piece, fields: [i64; 2]) -> Result<(), Why> {
     check(sum.has_sign(Sign::Plus) || sum.has_sign(Sign::Minus), "the coefficients have no strict common sign")
 }
 
-pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Result<(), Why> {
-    check(bent_form(a, b, fields, r)?.has_sign(Sign::Plus), NOT_POSITIVE)
-}
-
 /// The form of `bent` times a positive number.
-pub(super) fn bent_form(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Result<Poly<Poly>, Why> {
+pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Result<Poly<Poly>, Why> {
     let ([x, y, g, h, u, v], unit) = (fields.map(BigInt::from), BigInt::one() << UNIT);
     check([&u, &v].iter().all(|u| u.magnitude() < unit.magnitude()), "a weight grows too fast")?;
     let [first, second] = first_weights(a, b);
@@ -136,20 +121,16 @@ pub(super) fn bent_form(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) ->
     Ok(distance.plus(first).plus(paired(a.point().map(|f| f.times(&of_a)), tilt.each_ref())))
 }
 
-pub(super) fn share(end: &Place, piece: &Piece, k: i64, r: &Rational) -> Result<(), Why> {
-    check((0..=1 << UNIT).contains(&k), "the share is not in 0 .. 2^20")?;
-    check(share_form(end, piece, k, r).is_positive(), NOT_POSITIVE)
-}
-
 /// The form of `share` times 2^40 and the denominator of r.
-pub(super) fn share_form(end: &Place, piece: &Piece, k: i64, r: &Rational) -> Poly {
+pub(super) fn share(end: &Piece, piece: &Piece, k: i64, r: &Rational) -> Result<Poly, Why> {
+    check((0..=1 << UNIT).contains(&k), "the share is not in 0 .. 2^20")?;
     let (k, unit) = (BigInt::from(k), BigInt::one() << UNIT);
-    let (a, d, other) = (piece.a(), &end.a, &unit - &k);
-    let (q, u) = (difference((&piece.r, &piece.w), (&end.r, &end.w)), cross(d, a));
+    let (a, d, q, other) = (piece.a(), end.a(), piece.away_from(end), &unit - &k);
+    let u = cross(d, a);
     let squared = |f: Poly| f.times(&f);
     let of_end = squared(dot(a, &q)).times(&dot(d, d)).scaled(&(&k * &unit));
     let of_body = squared(dot(d, &q)).times(&dot(a, a)).scaled(&(&other * &unit));
     let between = squared(dot(&u, &q)).scaled(&(k * other));
     let disks = dot(&u, &u).times(&squared(piece.w.times(&end.w))).scaled(&(r.numer() * &unit * &unit));
-    of_end.plus(of_body).plus(between).scaled(r.denom()).minus(disks)
+    Ok(of_end.plus(of_body).plus(between).scaled(r.denom()).minus(disks))
 }

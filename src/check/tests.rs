@@ -1,11 +1,13 @@
 //! The rules against evaluation from their definitions, and certificates made by naive recursion.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, clippy::float_arithmetic)]
 
+use std::rc::Rc;
+
 use num_bigint::BigInt;
 use num_traits::{One, ToPrimitive, Zero};
 use proptest::prelude::*;
 
-use super::arc::{Arc, Piece, Place, Spine};
+use super::arc::{Arc, Piece, Spine};
 use super::poly::Poly;
 use super::rules;
 use super::*;
@@ -44,7 +46,7 @@ fn first(f: &Poly) -> f64 {
 }
 
 /// The point in the middle, and a there.
-fn middle(pieces: &[std::rc::Rc<Piece>]) -> ([f64; 3], [f64; 3]) {
+fn middle(pieces: &[Rc<Piece>]) -> ([f64; 3], [f64; 3]) {
     let piece = &pieces[pieces.len() / 2];
     let value = |f: &Poly| first(&f.at(&q("1/2")));
     let w = value(&piece.full_weight());
@@ -100,7 +102,7 @@ impl Maker {
             for of in [[1, 0], [0, 1], [1, 1], [1, -1]] {
                 tried.push((Node::Side(of), rules::side(a, b, of).is_ok()));
             }
-            tried.push((Node::Bent(MIDDLE), rules::bent(a, b, MIDDLE, &self.r).is_ok()));
+            tried.push((Node::Bent(MIDDLE), rules::bent(a, b, MIDDLE, &self.r).unwrap().has_sign(Sign::Plus)));
         }
         if !self.tries(tried) {
             let size = |arc: &Arc| arc.len() as f64 * float(&(&arc.last().unwrap().to - &arc[0].from));
@@ -118,18 +120,18 @@ impl Maker {
         }
     }
 
-    fn end(&mut self, e: &Place, axis: &[i64; 3], arc: &Arc, reverse: bool) {
+    fn end(&mut self, e: &Rc<Piece>, axis: &[i64; 3], arc: &Arc, reverse: bool) {
         let place = [0, 1, 2].map(|i| first(&e.r[i]) / first(&e.w));
         let p = middle(arc).0;
         let far = rounded([0, 1, 2].map(|i| p[i] - place[i]));
         let so_far = self.nodes.iter().all(|node| matches!(node, Node::Local | Node::Split));
         let mut tried = vec![
             (Node::Local, so_far && rules::cone(arc, axis).is_ok()),
-            (Node::Slab(far), rules::end_slab(e, arc, &far, &self.r).is_ok()),
+            (Node::Slab(far), rules::slab(arc, &[e.clone()], &far, &self.r).is_ok()),
         ];
         if let [piece] = &**arc {
             for k in [0, 1 << 18, 1 << 19, 3 << 18, 1 << 20] {
-                tried.push((Node::Share(k), rules::share(e, piece, k, &self.r).is_ok()));
+                tried.push((Node::Share(k), rules::share(e, piece, k, &self.r).unwrap().is_positive()));
             }
         }
         if !self.tries(tried) {
@@ -159,7 +161,7 @@ fn make(curve: &Curve, lo: &str, hi: Option<&str>, upper: Upper) -> Certificate 
         let ends = [maker.spine.spans[0].at(&Rational::zero()), maker.spine.spans.last().unwrap().at(&Rational::one())];
         [false, true].map(|reverse| {
             let e = &ends[usize::from(reverse)];
-            let axis = rounded(e.a.each_ref().map(first));
+            let axis = rounded(e.a().each_ref().map(first));
             maker.end(e, &axis, &whole, reverse);
             (axis, std::mem::take(&mut maker.nodes))
         })
@@ -342,8 +344,8 @@ fn contact() {
 fn a_slab_at_an_end_is_two_radii_thick() {
     let line = curve(r#"{"degree": 1, "control_points": [[3, 0], [5, 0]]}"#);
     let spine = Spine::of(&line);
-    let end = Place { r: [0, 0, 0].map(Poly::constant), w: Poly::constant(1), a: [0, 1, 0].map(Poly::constant) };
-    let slab = |r: &str| rules::end_slab(&end, &spine.spans, &[7, 0, 0], &q(r).pow(2)).is_ok();
+    let end = Piece::new(BigInt::zero(), BigInt::zero(), [0, 0, 0].map(Poly::constant), Poly::constant(1));
+    let slab = |r: &str| rules::slab(&spine.spans, &[end.clone()], &[7, 0, 0], &q(r).pow(2)).is_ok();
     assert_eq!(["2", "3/2", "1.4999"].map(slab), [false, false, true]);
     let two = |r: &str| rules::slab(&spine.spans, &spine.spans, &[1, 0, 0], &q(r).pow(2)).is_ok();
     assert!(!two("0.001"));
@@ -367,15 +369,15 @@ fn leaf_times() {
             let fine = (0..1000).filter(|_| run()).count();
             println!("{name} {what}: {:?} a leaf, {}", start.elapsed() / 1000, fine > 0);
         };
-        time("bent", &mut || rules::bent(a, b, MIDDLE, &r).is_ok());
+        time("bent", &mut || rules::bent(a, b, MIDDLE, &r).unwrap().has_sign(Sign::Plus));
         time("side", &mut || rules::side(a, b, [1, 0]).is_ok());
-        time("share", &mut || rules::share(&e, b, 1 << 19, &r).is_ok());
+        time("share", &mut || rules::share(&e, b, 1 << 19, &r).unwrap().is_positive());
         time("curved", &mut || rules::curved(a, &r).is_ok());
         time("cone", &mut || rules::cone(std::slice::from_ref(a), &[1, 2, 3]).is_ok());
         time("slab", &mut || rules::slab(std::slice::from_ref(a), std::slice::from_ref(b), &[1, 2, 3], &r).is_ok());
         time("halving, then bent", &mut || {
             let [first, _] = &a.halves(&((&a.from + &a.to) >> 1));
-            rules::bent(&first[0], b, MIDDLE, &r).is_ok()
+            rules::bent(&first[0], b, MIDDLE, &r).unwrap().has_sign(Sign::Plus)
         });
     }
 }
@@ -469,7 +471,7 @@ proptest! {
         let form = dotted(&d, &d) - Rational::from_integer(4.into()) * &radius * &radius * &v * &v * &w * &w
             + &quotient * lines(&x, &s, &g, &u) * weight(&t, &v2) * of_s
             - lines(&y, &t, &h, &v2) / &quotient * weight(&s, &u) * of_t;
-        let rows = rules::bent_form(a, b, fields, &r).unwrap().0;
+        let rows = rules::bent(a, b, fields, &r).unwrap().0;
         let columns: Vec<Rational> = rows.iter().map(|row| value(row, &t)).collect();
         let found = horner(&columns, &s);
         let common = num_integer::gcd(weights[0].clone(), weights[1].clone());
@@ -480,9 +482,9 @@ proptest! {
         prop_assert_eq!((rows.len(), rows[0].0.len()), degree);
 
         let e = spine.spans[0].at(&Rational::zero());
-        let form = rules::share_form(&e, b, k, &r);
+        let form = rules::share(&e, b, k, &r).unwrap();
         let exact = |v: &[Poly; 3]| v.each_ref().map(|c| Rational::from_integer(c.0[0].clone()));
-        let (d, a) = (exact(&e.a), hodograph(b, &t));
+        let (d, a) = (exact(e.a()), hodograph(b, &t));
         let we = Rational::from_integer(e.w.0[0].clone());
         let point = exact(&e.r);
         let q = [0, 1, 2].map(|i| &o[i] * &we - &point[i] * &w);

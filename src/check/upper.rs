@@ -5,8 +5,8 @@ use std::rc::Rc;
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 
-use super::arc::{Piece, Place, Spine, difference};
-use super::poly::{Poly, Vector, cross, dot};
+use super::arc::{Piece, Spine};
+use super::poly::{Poly, cross, dot};
 use super::rules::{Why, check, curvature};
 use crate::certificate::{Foot, SpanArc, Upper};
 use crate::number::{Rational, compare};
@@ -26,17 +26,13 @@ pub(super) fn upper(spine: &Spine, upper: &Upper, hi: Option<&Rational>) -> Resu
             check(piece.wb().iter().any(|b| !b.at(t).is_zero()), "b is 0 there")?;
             check(!curvature(piece, &(hi * hi)).at(t).is_positive(), "the curvature there is less than 1/hi")
         }
-        Upper::Corner(joint) => match spine.joint(*joint) {
-            None => Err("there is no such joint"),
-            Some([one_point, one_direction]) => {
-                check(one_point, "the ends are two points")?;
-                check(!one_direction, "the joint is smooth")
-            }
-        },
-        Upper::Contact { x, feet } => contact(spine, x, feet, &(hi * hi)),
-        Upper::Crossing { arcs, normal, first, second } => {
-            crossing(spine, arcs, [normal, first, second].map(|v| integers(v).0))
+        Upper::Corner(joint) => {
+            let [one_point, one_direction] = spine.joint(*joint).ok_or("there is no such joint")?;
+            check(one_point, "the ends are two points")?;
+            check(!one_direction, "the joint is smooth")
         }
+        Upper::Contact { x, feet } => contact(spine, x, feet, &(hi * hi)),
+        Upper::Crossing { arcs, normal, first, second } => crossing(spine, arcs, [normal, first, second].map(integers)),
     }
 }
 
@@ -44,10 +40,11 @@ fn within(x: &Rational, from: &Rational, to: &Rational) -> bool {
     compare(from, x).is_le() && compare(x, to).is_le()
 }
 
-/// A vector times its common denominator, and that.
-fn integers([x, y, z]: &[Rational; 3]) -> (Vector, Poly) {
+/// A point as a piece of the degree 0.
+fn integers([x, y, z]: &[Rational; 3]) -> Rc<Piece> {
     let common = x.denom() * y.denom() * z.denom();
-    ([x, y, z].map(|c| Poly::constant(c.numer() * (&common / c.denom()))), Poly::constant(common))
+    let r = [x, y, z].map(|c| Poly::constant(c.numer() * (&common / c.denom())));
+    Piece::new(BigInt::zero(), BigInt::zero(), r, Poly::constant(common))
 }
 
 /// Two stretches of the spine, given by their positions, have no point in common.
@@ -57,7 +54,7 @@ fn apart(spine: &Spine, [first, last]: [&Rational; 2], [next, end]: [&Rational; 
     check(apart, "the two are not apart on the spine")
 }
 
-fn place(spine: &Spine, position: &Rational) -> Result<Place, Why> {
+fn place(spine: &Spine, position: &Rational) -> Result<Rc<Piece>, Why> {
     let count = BigInt::from(spine.spans.len());
     let turns = if spine.closed { -1..=2 } else { 0..=1 };
     let [from, to] = [turns.start(), turns.end()].map(|turn| Rational::from(&count * turn));
@@ -70,12 +67,12 @@ fn place(spine: &Spine, position: &Rational) -> Result<Place, Why> {
 }
 
 fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], hi_squared: &Rational) -> Result<(), Why> {
-    let (x, common) = integers(x);
+    let x = integers(x);
     // |x - C|^2 at a position as numerator and denominator, and a multiple of a.(x - C)
     let distance = |position| {
         let place = place(spine, position)?;
-        let (away, den) = (difference((&x, &common), (&place.r, &place.w)), common.times(&place.w));
-        Ok::<_, Why>((dot(&away, &away), den.times(&den), dot(&place.a, &away)))
+        let (away, den) = (x.away_from(&place), x.w.times(&place.w));
+        Ok::<_, Why>((dot(&away, &away), den.times(&den), dot(place.a(), &away)))
     };
     for foot in feet {
         let (Foot::Plane(position) | Foot::Valley([_, position, _])) = foot;
@@ -114,21 +111,20 @@ fn part(spine: &Spine, (span, [from, to]): &SpanArc) -> Result<(Rc<Piece>, [Rati
     Ok((part, [from, to].map(|t| t + BigInt::from(*span))))
 }
 
-fn crossing(spine: &Spine, [s, t]: &[SpanArc; 2], [normal, first, second]: [Vector; 3]) -> Result<(), Why> {
+fn crossing(spine: &Spine, [s, t]: &[SpanArc; 2], vectors: [Rc<Piece>; 3]) -> Result<(), Why> {
     let [(a, of_a), (b, of_b)] = [part(spine, s)?, part(spine, t)?];
     apart(spine, of_a.each_ref(), of_b.each_ref())?;
-    check(!dot(&normal, &cross(&first, &second)).is_zero(), "the determinant is 0")?;
+    let [normal, first, second] = vectors.each_ref().map(|v| &v.r);
+    check(!dot(normal, &cross(first, second)).is_zero(), "the determinant is 0")?;
     let [start, end] = [Rational::zero(), Rational::one()];
-    // v.(C - C(e)), times weights, on an arc
-    let away = |piece: &Piece, e: Place, v| dot(&difference((&piece.r, &piece.w), (&e.r, &e.w)), v);
-    let flat = [&a, &b].iter().all(|piece| away(piece, a.at(&start), &normal).is_zero());
+    let flat = [&a, &b].iter().all(|piece| dot(&piece.away_from(&a.at(&start)), normal).is_zero());
     check(flat, "the arcs are not in one plane across the normal")?;
-    // D.v (-D.v) where s (t) is 0, and where it is 1
+    // D.v as a polynomial on one arc, at the start and at the end of the other
     let opposite = |a: &Piece, b: &Piece, v| {
-        let [p, q] = [&start, &end].map(|t| away(b, a.at(t), v));
+        let [p, q] = [&start, &end].map(|t| dot(&b.away_from(&a.at(t)), v));
         let signs = |of_p, of_q| p.has_sign(of_p) && q.has_sign(of_q);
         signs(Sign::Plus, Sign::Minus) || signs(Sign::Minus, Sign::Plus)
     };
-    let miranda = opposite(&a, &b, &first) && opposite(&b, &a, &second);
+    let miranda = opposite(&a, &b, first) && opposite(&b, &a, second);
     check(miranda, "the coefficients on opposite sides have no opposite strict signs")
 }

@@ -1,10 +1,13 @@
 //! The walk of the trees: docs/certificate-format.md, sections 3 to 5. The stack is on the heap.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use num_bigint::Sign;
 
 use super::Rejection;
-use super::arc::{Arc, Piece, Place, Spine};
-use super::rules::{Why, bent, check, cone, curved, end_slab, share, side, slab};
+use super::arc::{Arc, Piece, Spine};
+use super::rules::{NOT_POSITIVE, Why, bent, check, cone, curved, share, side, slab};
 use crate::certificate::{EndTree, Node};
 use crate::number::Rational;
 
@@ -22,6 +25,8 @@ enum Pair {
     Same(Arc),
     Two(Arc, Arc),
 }
+
+use Pair::{Same, Two};
 
 impl Walk<'_> {
     /// Walks a tree from `root`; `step` gives the children of a node, in their order, or checks a leaf.
@@ -59,28 +64,24 @@ impl Walk<'_> {
 
     pub(super) fn pairs(&mut self, nodes: &[Node]) -> Result<(), Rejection> {
         let (spine, r) = (self.spine, self.r);
-        self.tree("pairs", nodes, Pair::Same(spine.spans.clone()), |node, pair| {
+        self.tree("pairs", nodes, Same(spine.spans.clone()), |node, pair| {
             match (node, &pair) {
-                (Node::Split, Pair::Same(a)) => {
+                (Node::Split, Same(a)) => {
                     let [first, second] = spine.halves(a)?;
-                    let between = Pair::Two(first.clone(), second.clone());
-                    return Ok(vec![Pair::Same(first), between, Pair::Same(second)]);
+                    return Ok(vec![Same(first.clone()), Two(first, second.clone()), Same(second)]);
                 }
-                (Node::SplitFirst, Pair::Two(a, b)) => {
-                    return Ok(spine.halves(a)?.map(|a| Pair::Two(a, b.clone())).into());
-                }
-                (Node::SplitSecond, Pair::Two(a, b)) => {
-                    return Ok(spine.halves(b)?.map(|b| Pair::Two(a.clone(), b)).into());
-                }
-                (Node::Cone(g), Pair::Same(a)) => cone(a, g),
-                (Node::Cone(g), Pair::Two(a, b)) => {
+                (Node::SplitFirst, Two(a, b)) => return Ok(spine.halves(a)?.map(|a| Two(a, b.clone())).into()),
+                (Node::SplitSecond, Two(a, b)) => return Ok(spine.halves(b)?.map(|b| Two(a.clone(), b)).into()),
+                (Node::Cone(g), Same(a)) => cone(a, g),
+                (Node::Cone(g), Two(a, b)) => {
                     check(spine.touch(a, b), "the arcs do not touch")?;
-                    cone(a, g)?;
-                    cone(b, g)
+                    cone(&[&**a, &**b].concat(), g)
                 }
-                (Node::Slab(g), Pair::Two(a, b)) => slab(a, b, g, r),
-                (Node::Side(fields), Pair::Two(a, b)) => side(one(a)?, one(b)?, *fields),
-                (Node::Bent(fields), Pair::Two(a, b)) => bent(one(a)?, one(b)?, *fields, r),
+                (Node::Slab(g), Two(a, b)) => slab(a, b, g, r),
+                (Node::Side(fields), Two(a, b)) => side(one(a)?, one(b)?, *fields),
+                (Node::Bent(fields), Two(a, b)) => {
+                    check(bent(one(a)?, one(b)?, *fields, r)?.has_sign(Sign::Plus), NOT_POSITIVE)
+                }
                 _ => Err(MISPLACED),
             }?;
             Ok(vec![])
@@ -88,7 +89,7 @@ impl Walk<'_> {
     }
 
     /// The end `e` and the body; on the finish the order is reversed.
-    pub(super) fn end(&mut self, finish: bool, (axis, nodes): &EndTree, e: &Place) -> Result<(), Rejection> {
+    pub(super) fn end(&mut self, finish: bool, (axis, nodes): &EndTree, e: &Rc<Piece>) -> Result<(), Rejection> {
         let (spine, r) = (self.spine, self.r);
         let mut local = true;
         self.tree(if finish { "finish" } else { "start" }, nodes, spine.spans.clone(), |node, arc| {
@@ -98,8 +99,8 @@ impl Walk<'_> {
                     return Ok(if finish { vec![second, first] } else { vec![first, second] });
                 }
                 Node::Local => check(local, "a leaf before this one is not local").and_then(|()| cone(&arc, axis)),
-                Node::Slab(g) => end_slab(e, &arc, g, r),
-                Node::Share(k) => share(e, one(&arc)?, *k, r),
+                Node::Slab(g) => slab(&arc, &[e.clone()], g, r),
+                Node::Share(k) => check(share(e, one(&arc)?, *k, r)?.is_positive(), NOT_POSITIVE),
                 _ => Err(MISPLACED),
             }?;
             local = *node == Node::Local;
