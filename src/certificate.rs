@@ -27,9 +27,8 @@ pub struct Certificate {
 pub(crate) enum Node {
     /// `/`: of an arc; of a pair of the same arc.
     Split,
-    /// `1`: of the first arc of a pair.
+    /// `1`, `2`: of one arc of a pair.
     SplitFirst,
-    /// `2`: of the second.
     SplitSecond,
     Curved,
     Cone([i64; 3]),

@@ -170,4 +170,8 @@ impl Rejection {
     pub(crate) fn of(section: &'static str, why: &str) -> Self {
         Self { section, node: None, rule: String::new(), why: why.to_string() }
     }
+
+    pub(crate) fn at(self, node: usize, rule: &impl fmt::Display) -> Self {
+        Self { node: Some(node), rule: rule.to_string(), ..self }
+    }
 }

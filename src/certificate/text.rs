@@ -1,5 +1,6 @@
 //! The one spelling of a certificate, and its limits: docs/certificate-format.md, section 1.
 
+use std::collections::BTreeMap;
 use std::fmt::{self, Display, Write};
 
 use num_bigint::BigInt;
@@ -81,9 +82,22 @@ impl Certificate {
     }
 }
 
+impl Certificate {
+    /// How many leaves of the trees name each rule.
+    pub(crate) fn leaves(&self) -> BTreeMap<&'static str, usize> {
+        let ends = self.ends.iter().flatten().map(|(_, nodes)| nodes);
+        let nodes = [&self.along].into_iter().chain(&self.pairs).chain(ends).flatten();
+        let mut leaves = BTreeMap::new();
+        for node in nodes.filter(|node| !matches!(node, Node::Split | Node::SplitFirst | Node::SplitSecond)) {
+            *leaves.entry(node.name()).or_default() += 1;
+        }
+        leaves
+    }
+}
+
 impl Node {
     /// The first word of its line.
-    pub(crate) const fn name(&self) -> &'static str {
+    const fn name(&self) -> &'static str {
         match self {
             Self::Split => "/",
             Self::SplitFirst => "1",

@@ -4,9 +4,9 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use num_bigint::{BigInt, Sign};
+use num_bigint::BigInt;
 use num_integer::Integer;
-use num_traits::{One, Zero};
+use num_traits::{One, Signed, Zero};
 
 use super::poly::{Poly, Vector, cross, dot, zip};
 use super::rules::{Why, check};
@@ -103,11 +103,10 @@ impl Piece {
     pub(super) fn halves(&self, middle: &BigInt) -> [Arc; 2] {
         let (one, two) = (BigInt::one(), BigInt::from(2));
         let part = |from: &BigInt, to: &BigInt, half: &dyn Fn(&Poly) -> Poly| -> Arc {
-            let ([x, y, z], mut w) = (self.r.each_ref().map(half), half(&self.w));
-            // both times 2^degree of r, of which a constant weight has not had its share
-            let share = x.0.len() - w.0.len();
-            w.0.iter_mut().for_each(|c| *c <<= share);
-            Rc::new([Self::new(from.clone(), to.clone(), [x, y, z], w)])
+            let [x, y, z, w] = self.point().map(half);
+            // all times 2^degree of r, of which a constant weight has not had its share
+            let share = &one << (x.0.len() - w.0.len());
+            Rc::new([Self::new(from.clone(), to.clone(), [x, y, z], w.scaled(&share))])
         };
         let first = part(&self.from, middle, &|f| f.start(&one, &two));
         [first, part(middle, &self.to, &|f| f.reversed().start(&one, &two).reversed())]
@@ -124,8 +123,8 @@ pub(super) struct Spine {
 impl Spine {
     pub(super) fn of(curve: &Curve) -> Self {
         let span = |(k, [x, y, z, w]): (usize, [Vec<BigInt>; 4])| {
-            // a first weight of 0 is left to `curved`, which every span must pass
-            let sign = if w.first().is_some_and(|w| w.sign() == Sign::Minus) { -BigInt::one() } else { BigInt::one() };
+            // a first weight of 0 makes all 0, which `curved` finds
+            let sign = w.first().map(BigInt::signum).unwrap_or_default();
             let constant = w.iter().zip(w.iter().skip(1)).all(|(v, w)| v == w);
             let w = if constant { w.into_iter().take(1).collect() } else { w };
             let [x, y, z, w] = [x, y, z, w].map(|c| Poly::bernstein(c).scaled(&sign));
@@ -214,13 +213,10 @@ fn blossoms(
         let around = below.iter().skip(level).zip(above);
         let next = points.iter().zip(points.iter().skip(1)).zip(around).map(|((p, q), (low, high))| {
             // at an end of the interval nothing is computed: the common case, and exact numbers grow
-            if same(x, low) || same(p, q) {
-                p.clone()
-            } else if same(x, high) {
-                q.clone()
-            } else {
-                p + (q - p) * ((x - low) / (high - low))
+            if same(x, high) {
+                return q.clone();
             }
+            if same(x, low) || same(p, q) { p.clone() } else { p + (q - p) * ((x - low) / (high - low)) }
         });
         points = next.collect();
     }

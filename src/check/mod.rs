@@ -14,7 +14,7 @@ mod walk;
 use std::collections::BTreeMap;
 
 use num_bigint::Sign;
-use num_traits::{One, Zero};
+use num_traits::Zero;
 
 use crate::certificate::Certificate;
 use crate::claim::Claim;
@@ -22,7 +22,6 @@ pub use crate::error::Rejection;
 use crate::number::{Rational, compare};
 use arc::Spine;
 use poly::Poly;
-use walk::Walk;
 
 /// A claim that is proved. Only [`verify`] makes one.
 #[derive(Debug, Clone)]
@@ -86,16 +85,14 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
     wanted(ends.is_some() == open, "start", "there must be ends iff lo is > 0 and not inf and the spine is open")?;
 
     let r = lo.unwrap_or(&zero).pow(2);
-    let mut walk = Walk { spine: &spine, r: &r, leaves: BTreeMap::new() };
-    walk.along(along)?;
+    walk::along(&spine, &r, along)?;
     if let Some(pairs) = pairs {
-        walk.pairs(pairs)?;
+        walk::pairs(&spine, &r, pairs)?;
     }
-    if let (Some([start, finish]), Some(first), Some(last)) = (ends, spine.spans.first(), spine.spans.last()) {
-        walk.end(false, start, &first.at(&zero))?;
-        walk.end(true, finish, &last.at(&Rational::one()))?;
+    if let Some([start, finish]) = ends {
+        walk::end(&spine, &r, false, start)?;
+        walk::end(&spine, &r, true, finish)?;
     }
-    let leaves = walk.leaves;
     upper::upper(&spine, upper, hi).map_err(|why| Rejection::of("upper", why))?;
-    Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves })
+    Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves: certificate.leaves() })
 }

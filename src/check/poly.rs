@@ -39,11 +39,7 @@ impl<C: Clone + Default + for<'a> AddAssign<&'a C>> Poly<C> {
 
 impl AddAssign<&Self> for Poly {
     fn add_assign(&mut self, other: &Self) {
-        if self.0.len() == other.0.len() {
-            self.0.iter_mut().zip(&other.0).for_each(|(c, d)| *c += d);
-        } else {
-            *self = std::mem::take(self).plus(other.clone());
-        }
+        *self = std::mem::take(self).plus(other.clone());
     }
 }
 
@@ -117,23 +113,19 @@ impl Poly {
         let step = |(value, power), c| (value * t.numer() + c * &power, power * &rest);
         Self::constant(self.0.iter().rev().fold((BigInt::zero(), BigInt::one()), step).0)
     }
-
-    /// f(s) g(t), this being f.
-    pub(super) fn outer(&self, g: &Self) -> Poly<Self> {
-        Poly(self.0.iter().map(|c| g.scaled(c)).collect())
-    }
 }
 
 impl Poly<Poly> {
-    /// As in one variable.
-    pub(super) fn has_sign(&self, sign: Sign) -> bool {
-        !self.0.is_empty() && self.0.iter().all(|row| row.has_sign(sign))
+    /// All coefficients, for their signs.
+    pub(super) fn flat(self) -> Poly {
+        Poly(self.0.into_iter().flat_map(|row| row.0).collect())
     }
 }
 
 /// The sum of the products f(s) g(t).
 pub(super) fn paired<const N: usize>(f: [Poly; N], g: [&Poly; N]) -> Poly<Poly> {
-    f.iter().zip(g).map(|(f, g)| f.outer(g)).reduce(Poly::plus).unwrap_or_default()
+    let product = |(f, g): (&Poly, &Poly)| Poly(f.0.iter().map(|c| g.scaled(c)).collect());
+    f.iter().zip(g).map(product).reduce(Poly::plus).unwrap_or_default()
 }
 
 /// The components of two vectors, pair by pair.

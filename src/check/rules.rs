@@ -13,13 +13,16 @@ use crate::number::{Rational, compare};
 /// Why a condition is not true.
 pub(super) type Why = &'static str;
 
-pub(super) const NOT_POSITIVE: Why = "a coefficient is not positive";
 const WEIGHTS: Why = "a control weight is not positive";
 /// The unit of `bent` and `share`.
 const UNIT: u32 = 20;
 
 pub(super) fn check(fine: bool, why: Why) -> Result<(), Why> {
     if fine { Ok(()) } else { Err(why) }
+}
+
+pub(super) fn positive(form: &Poly) -> Result<(), Why> {
+    check(form.is_positive(), "a coefficient is not positive")
 }
 
 /// A positive multiple of |a|^6 - r |b|^2 w^6.
@@ -29,10 +32,9 @@ pub(super) fn curvature(piece: &Piece, r: &Rational) -> Poly {
     aa.times(&aa).times(&aa).scaled(r.denom()).minus(bw.scaled(r.numer()))
 }
 
-pub(super) fn curved(piece: &Piece, r: &Rational) -> Result<(), Why> {
+pub(super) fn curved(piece: &Piece, r: &Rational) -> Result<Poly, Why> {
     check(piece.w.is_positive(), WEIGHTS)?;
-    let form = if r.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) };
-    check(form.is_positive(), NOT_POSITIVE)
+    Ok(if r.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) })
 }
 
 fn square(g: &[i64; 3]) -> BigInt {
@@ -82,12 +84,12 @@ pub(super) fn side(a: &Piece, b: &Piece, fields: [i64; 2]) -> Result<(), Why> {
     let ([x, y], [v, w]) = (fields.map(BigInt::from), first_weights(a, b));
     let (of_s, of_t) = (x * &w * &w, -y * &v * &v);
     let first = paired(a.products().tilt.each_ref().map(|f| f.scaled(&of_s)), b.point());
-    let sum = first.plus(paired(a.point().map(|f| f.scaled(&of_t)), b.products().tilt.each_ref()));
+    let sum = first.plus(paired(a.point().map(|f| f.scaled(&of_t)), b.products().tilt.each_ref())).flat();
     check(sum.has_sign(Sign::Plus) || sum.has_sign(Sign::Minus), "the coefficients have no strict common sign")
 }
 
 /// The form of `bent` times a positive number.
-pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Result<Poly<Poly>, Why> {
+pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Result<Poly, Why> {
     let ([x, y, g, h, u, v], unit) = (fields.map(BigInt::from), BigInt::one() << UNIT);
     check([&u, &v].iter().all(|u| u.magnitude() < unit.magnitude()), "a weight grows too fast")?;
     let [first, second] = first_weights(a, b);
@@ -118,7 +120,8 @@ pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Resu
     let point = b.point().map(|g| g.times(&of_b));
     let first = paired(p.tilt.each_ref().map(|f| f.times(&of_s)), point.each_ref());
     let tilt = q.tilt.each_ref().map(|g| g.times(&of_t));
-    Ok(distance.plus(first).plus(paired(a.point().map(|f| f.times(&of_a)), tilt.each_ref())))
+    let second = paired(a.point().map(|f| f.times(&of_a)), tilt.each_ref());
+    Ok(distance.plus(first).plus(second).flat())
 }
 
 /// The form of `share` times 2^40 and the denominator of r.

@@ -56,8 +56,7 @@ fn apart(spine: &Spine, [first, last]: [&Rational; 2], [next, end]: [&Rational; 
 
 fn place(spine: &Spine, position: &Rational) -> Result<Rc<Piece>, Why> {
     let count = BigInt::from(spine.spans.len());
-    let turns = if spine.closed { -1..=2 } else { 0..=1 };
-    let [from, to] = [turns.start(), turns.end()].map(|turn| Rational::from(&count * turn));
+    let [from, to] = if spine.closed { [-1, 2] } else { [0, 1] }.map(|turns| Rational::from(&count * turns));
     check(within(position, &from, &to), "a position is out of range")?;
     let turn = (position / &count).floor() * &count;
     let position = if spine.closed { position - turn } else { position.clone() };
@@ -74,10 +73,13 @@ fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], hi_squared: &Rati
         let (away, den) = (x.away_from(&place), x.w.times(&place.w));
         Ok::<_, Why>((dot(&away, &away), den.times(&den), dot(place.a(), &away)))
     };
-    for foot in feet {
-        let (Foot::Plane(position) | Foot::Valley([_, position, _])) = foot;
+    let positions = feet.each_ref().map(|foot| match foot {
+        Foot::Plane(position) => [position; 3],
+        Foot::Valley(positions) => positions.each_ref(),
+    });
+    for (foot, [from, position, to]) in feet.iter().zip(positions) {
         let (num, den, along) = distance(position)?;
-        if let Foot::Valley([from, _, to]) = foot {
+        if matches!(foot, Foot::Valley(_)) {
             let ordered = compare(from, position).is_lt() && compare(position, to).is_lt();
             let once = compare(&(to - from), &BigInt::from(spine.spans.len()).into()).is_lt();
             check(ordered && once, "the positions of a valley are not in order")?;
@@ -91,11 +93,8 @@ fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], hi_squared: &Rati
         let beyond = num.scaled(hi_squared.denom()).minus(den.scaled(hi_squared.numer())).is_positive();
         check(!beyond, "the point is farther than hi from the spine there")?;
     }
-    let [first, second] = feet.each_ref().map(|foot| match foot {
-        Foot::Plane(position) => [position, position],
-        Foot::Valley([from, _, to]) => [from, to],
-    });
-    apart(spine, first, second)
+    let [[first, _, last], [next, _, end]] = positions;
+    apart(spine, [first, last], [next, end])
 }
 
 /// An arc of a span, whose weights are > 0, and its positions.
