@@ -8,7 +8,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_traits::{One, Signed, Zero};
 
-use super::poly::{Poly, Vector, cross, dot, zip};
+use super::poly::{Poly, Vector, cross, dot};
 use super::rules::{Why, check};
 use crate::curve::Curve;
 use crate::number::{Rational, same};
@@ -96,7 +96,8 @@ impl Piece {
 
     /// The vector C - C' from another piece to this one, times both weights.
     pub(super) fn away_from(&self, other: &Self) -> Vector {
-        zip(self.r.each_ref(), other.r.each_ref(), |r, p| r.times(&other.w).minus(p.times(&self.w)))
+        let ([x, y, z], [u, v, w]) = (&self.r, &other.r);
+        [(x, u), (y, v), (z, w)].map(|(r, p)| r.times(&other.w).minus(p.times(&self.w)))
     }
 
     /// The parts up to and from the middle.

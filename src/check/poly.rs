@@ -39,7 +39,11 @@ impl<C: Clone + Default + for<'a> AddAssign<&'a C>> Poly<C> {
 
 impl AddAssign<&Self> for Poly {
     fn add_assign(&mut self, other: &Self) {
-        *self = std::mem::take(self).plus(other.clone());
+        if self.0.len() == other.0.len() {
+            self.0.iter_mut().zip(&other.0).for_each(|(c, d)| *c += d);
+        } else {
+            *self = std::mem::take(self).plus(other.clone());
+        }
     }
 }
 
@@ -128,14 +132,8 @@ pub(super) fn paired<const N: usize>(f: [Poly; N], g: [&Poly; N]) -> Poly<Poly> 
     f.iter().zip(g).map(product).reduce(Poly::plus).unwrap_or_default()
 }
 
-/// The components of two vectors, pair by pair.
-pub(super) fn zip<A, B, C>([a, b, c]: [A; 3], [d, e, f]: [B; 3], of: impl Fn(A, B) -> C) -> [C; 3] {
-    [of(a, d), of(b, e), of(c, f)]
-}
-
-pub(super) fn dot(f: &Vector, g: &Vector) -> Poly {
-    let [x, y, z] = zip(f.each_ref(), g.each_ref(), Poly::times);
-    x.plus(y).plus(z)
+pub(super) fn dot([x, y, z]: &Vector, [u, v, w]: &Vector) -> Poly {
+    x.times(u).plus(y.times(v)).plus(z.times(w))
 }
 
 pub(super) fn cross([x, y, z]: &Vector, [u, v, w]: &Vector) -> Vector {

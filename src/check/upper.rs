@@ -31,7 +31,7 @@ pub(super) fn upper(spine: &Spine, upper: &Upper, hi: Option<&Rational>) -> Resu
             check(one_point, "the ends are two points")?;
             check(!one_direction, "the joint is smooth")
         }
-        Upper::Contact { x, feet } => contact(spine, x, feet, &(hi * hi)),
+        Upper::Contact { x, feet } => contact(spine, &integers(x), feet, &(hi * hi)),
         Upper::Crossing { arcs, normal, first, second } => crossing(spine, arcs, [normal, first, second].map(integers)),
     }
 }
@@ -65,8 +65,7 @@ fn place(spine: &Spine, position: &Rational) -> Result<Rc<Piece>, Why> {
     Ok(piece.at(&(position - span)))
 }
 
-fn contact(spine: &Spine, x: &[Rational; 3], feet: &[Foot; 2], hi_squared: &Rational) -> Result<(), Why> {
-    let x = integers(x);
+fn contact(spine: &Spine, x: &Piece, feet: &[Foot; 2], hi_squared: &Rational) -> Result<(), Why> {
     // |x - C|^2 at a position as numerator and denominator, and a multiple of a.(x - C)
     let distance = |position| {
         let place = place(spine, position)?;
@@ -121,8 +120,7 @@ fn crossing(spine: &Spine, [s, t]: &[SpanArc; 2], vectors: [Rc<Piece>; 3]) -> Re
     // D.v as a polynomial on one arc, at the start and at the end of the other
     let opposite = |a: &Piece, b: &Piece, v| {
         let [p, q] = [&start, &end].map(|t| dot(&b.away_from(&a.at(t)), v));
-        let signs = |of_p, of_q| p.has_sign(of_p) && q.has_sign(of_q);
-        signs(Sign::Plus, Sign::Minus) || signs(Sign::Minus, Sign::Plus)
+        p.has_sign(Sign::Plus) && q.has_sign(Sign::Minus) || p.has_sign(Sign::Minus) && q.has_sign(Sign::Plus)
     };
     let miranda = opposite(&a, &b, first) && opposite(&b, &a, second);
     check(miranda, "the coefficients on opposite sides have no opposite strict signs")

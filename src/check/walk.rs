@@ -15,8 +15,6 @@ enum Pair {
     Two(Arc, Arc),
 }
 
-use Pair::{Same, Two};
-
 /// Walks a tree from `root`; `step` gives the children of a node, in their order, or checks a leaf.
 fn tree<T>(
     section: &'static str,
@@ -42,6 +40,7 @@ pub(super) fn along(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), R
 }
 
 pub(super) fn pairs(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), Rejection> {
+    use Pair::{Same, Two};
     tree("pairs", nodes, Same(spine.spans.clone()), |node, pair| {
         match (node, &pair) {
             (Node::Split, Same(a)) => {
