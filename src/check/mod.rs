@@ -75,8 +75,8 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
     let positive = lo.is_none_or(|lo| !lo.is_zero());
     let smooth = || (1..spine.spans.len()).all(|joint| spine.is_smooth(joint));
     wanted(!positive || smooth(), "lo", "a joint is not smooth")?;
-    // so the ends are two points: with b = 0 because C runs straight on; with pairs because no rule of `start` holds at
-    // a last point that is the first. And with b = 0 no witness stands for an hi that is not inf.
+    // the ends of an open spine then are two points: with b = 0 as C runs straight on; with pairs as no other rule than
+    // `cone` closes a pair with D = 0, and C goes on along its axis. And with b = 0 no witness stands for hi < inf
     let straight = || spine.spans.iter().all(|span| span.wb().iter().all(Poly::is_zero));
     wanted(lo.is_some() || straight(), "lo", "the spine is not straight")?;
     let bounded = positive && lo.is_some();

@@ -127,7 +127,7 @@ impl Maker {
         let so_far = self.nodes.iter().all(|node| matches!(node, Node::Local | Node::Split));
         let mut tried = vec![
             (Node::Local, so_far && rules::cone(arc, axis).is_ok()),
-            (Node::Slab(far), rules::slab(arc, &[e.clone()], &far, &self.r).is_ok()),
+            (Node::Slab(far), rules::slab(arc, std::slice::from_ref(e), &far, &self.r).is_ok()),
         ];
         if let [piece] = &**arc {
             for k in [0, 1 << 18, 1 << 19, 3 << 18, 1 << 20] {
@@ -339,13 +339,53 @@ fn contact() {
     assert_eq!(changed([valley("1/2", "1/4", "1/2"), at("1")]), "the positions of a valley are not in order");
 }
 
+/// Conditions of the page that the code leaves to others: ends that are one point though lo is > 0, a first weight of 0, and
+/// a witness beside lo = inf.
+#[test]
+fn what_other_conditions_imply_is_refused() {
+    let refused_by = |curve: &Curve, lo: Option<&str>, hi: Option<&str>, trees: [Vec<Node>; 4], upper: Upper| {
+        let [along, pairs, start, finish] = trees;
+        let bounded = lo.is_some_and(|lo| lo != "0");
+        let ends = bounded.then_some([([1, 0, 0], start), ([1, 0, 0], finish)]);
+        let (lo, hi, pairs) = (lo.map(q), hi.map(q), bounded.then_some(pairs));
+        refused(curve, &Certificate { digest: curve.digest(), lo, hi, along, pairs, ends, upper }).section
+    };
+    // a loop whose ends meet at a right angle: the pair of its ends, one point, passes no rule
+    let bend = curve(r#"{"degree": 4, "control_points": [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]}"#);
+    let mut maker = Maker { spine: Spine::of(&bend), r: q("1/1000").pow(2), nodes: vec![] };
+    maker.along(&maker.spine.spans.clone());
+    let [mut a, mut b] = maker.spine.halves(&maker.spine.spans).unwrap();
+    for _ in 0..8 {
+        for g in [[1, 0, 0], [0, 1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]] {
+            assert!(rules::slab(&a, &b, &g, &maker.r).is_err() && rules::side(&a[0], &b[0], [g[0], g[1]]).is_err());
+            assert!(rules::cone(&[&*a, &*b].concat(), &g).is_err());
+        }
+        assert!(!rules::bent(&a[0], &b[0], MIDDLE, &maker.r).unwrap().is_positive());
+        (a, b) = (maker.spine.halves(&a).unwrap()[0].clone(), maker.spine.halves(&b).unwrap()[1].clone());
+    }
+    let trees = [maker.nodes.clone(), vec![Node::Cone([1, 1, 0])], vec![], vec![]];
+    assert_eq!(refused_by(&bend, Some("1/1000"), None, trees, Upper::None), "pairs");
+    let weights = r#"{"degree": 2, "control_points": [[0, 0], [1, 1], [2, 0]], "weights": [0, 1, 1]}"#;
+    let trees = || [vec![Node::Curved], vec![], vec![], vec![]];
+    assert_eq!(refused_by(&curve(weights), Some("0"), None, trees(), Upper::None), "along");
+    for upper in [
+        Upper::None,
+        Upper::Corner(0),
+        Upper::Corner(1),
+        Upper::Curvature { span: 0, t: q("1/2") },
+        Upper::Contact { x: [q("1"), q("0"), q("0")], feet: [Foot::Plane(q("1/3")), Foot::Plane(q("2/3"))] },
+    ] {
+        assert_eq!(refused_by(&file("straight_line"), None, Some("9"), trees(), upper), "upper");
+    }
+}
+
 /// A disk of radius r about the end and one about a point at the distance 3/2 r may meet.
 #[test]
 fn a_slab_at_an_end_is_two_radii_thick() {
     let line = curve(r#"{"degree": 1, "control_points": [[3, 0], [5, 0]]}"#);
     let spine = Spine::of(&line);
     let end = Piece::new(BigInt::zero(), BigInt::zero(), [0, 0, 0].map(Poly::constant), Poly::constant(1));
-    let slab = |r: &str| rules::slab(&spine.spans, &[end.clone()], &[7, 0, 0], &q(r).pow(2)).is_ok();
+    let slab = |r: &str| rules::slab(&spine.spans, std::slice::from_ref(&end), &[7, 0, 0], &q(r).pow(2)).is_ok();
     assert_eq!(["2", "3/2", "1.4999"].map(slab), [false, false, true]);
     let two = |r: &str| rules::slab(&spine.spans, &spine.spans, &[1, 0, 0], &q(r).pow(2)).is_ok();
     assert!(!two("0.001"));
@@ -496,6 +536,17 @@ proptest! {
         let wanted = &k * aq * dotted(&d, &d) + &other * dq * dotted(&a, &a) + &k * &other * uq
             - &radius * &radius * dotted(&u, &u) * &w * &w * &we * &we;
         prop_assert_eq!(value(&form, &t), wanted * &unit * &unit * Rational::from_integer(r.denom().clone()));
+
+        // w b, with b as the page has it
+        let jets = b.r.each_ref().map(|r| jet(r, &t));
+        let [w0, w1, w2] = if rational { jet(&b.w, &t) } else { [value(&b.w, &t), Rational::zero(), Rational::zero()] };
+        let [r0, r1, r2] = [0, 1, 2].map(|k| jets.each_ref().map(|jet| jet[k].clone()));
+        let cross = |u: &[Rational; 3], v: &[Rational; 3]| {
+            [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &u[i] * &v[j] - &u[j] * &v[i])
+        };
+        let (first, second, third) = (cross(&r1, &r2), cross(&r0, &r2), cross(&r0, &r1));
+        let wanted = [0, 1, 2].map(|i| &w0 * (&w0 * &first[i] - &w1 * &second[i] + &w2 * &third[i]));
+        prop_assert_eq!(b.wb().each_ref().map(|f| value(f, &t)), wanted);
 
         // kappa^2 = |C' x C''|^2 / |C'|^6 by quotients
         let form = value(&rules::curvature(b, &r), &t);

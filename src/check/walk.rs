@@ -76,7 +76,7 @@ pub(super) fn end(spine: &Spine, r: &Rational, finish: bool, (axis, nodes): &End
                 return Ok(if finish { vec![second, first] } else { vec![first, second] });
             }
             Node::Local => check(local, "a leaf before this one is not local").and_then(|()| cone(&arc, axis)),
-            Node::Slab(g) => slab(&arc, &[e.clone()], g, r),
+            Node::Slab(g) => slab(&arc, std::slice::from_ref(&e), g, r),
             Node::Share(k) => positive(&share(&e, one(&arc)?, *k, r)?),
             _ => Err(MISPLACED),
         }?;
