@@ -28,7 +28,8 @@ pub(crate) enum Node {
     /// `/`: of an arc; of a pair of the same arc.
     Split,
     /// `1`, `2`: of one arc of a pair.
-    SplitOne(Which),
+    SplitFirst,
+    SplitSecond,
     Curved,
     Cone([i64; 3]),
     Slab([i64; 3]),
@@ -38,45 +39,19 @@ pub(crate) enum Node {
     Share(i64),
 }
 
-/// The first or the second arc of a pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Which {
-    First,
-    Second,
-}
-
 /// The axis of the cone for `local`, and the tree.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct EndTree {
-    pub(crate) axis: [i64; 3],
-    pub(crate) nodes: Vec<Node>,
-}
+pub(crate) type EndTree = ([i64; 3], Vec<Node>);
 
 /// The witness of hi.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[allow(clippy::large_enum_variant, reason = "there is one in a certificate")]
 pub(crate) enum Upper {
     None,
-    Curvature {
-        span: usize,
-        t: Rational,
-    },
+    Curvature { span: usize, t: Rational },
     Corner(usize),
-    Contact {
-        x: [Rational; 3],
-        feet: [Foot; 2],
-    },
-    Crossing {
-        arcs: [SpanArc; 2],
-        normal: [Rational; 3],
-        first: [Rational; 3],
-        second: [Rational; 3],
-    },
-    /// The second arc may run back: `from` > `to`.
-    Mirror {
-        arcs: [SpanArc; 2],
-        normal: [Rational; 3],
-    },
+    Contact { x: [Rational; 3], feet: [Foot; 2] },
+    Crossing { arcs: [[Rational; 2]; 2], normal: [Rational; 3], first: [Rational; 3], second: [Rational; 3] },
+    Mirror { arcs: [[Rational; 2]; 2], normal: [Rational; 3] },
 }
 
 /// Where a point lies in a normal plane of the spine: exactly at a position, or somewhere between two.
@@ -84,12 +59,4 @@ pub(crate) enum Upper {
 pub(crate) enum Foot {
     Plane(Rational),
     Valley([Rational; 3]),
-}
-
-/// The arc from..to of the parameter of one span.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct SpanArc {
-    pub(crate) span: usize,
-    pub(crate) from: Rational,
-    pub(crate) to: Rational,
 }

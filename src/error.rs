@@ -144,3 +144,39 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// Why a claim is not proved by a certificate. It says nothing about whether the claim is true.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Rejection {
+    /// The section of the certificate: "curve", "lo", "hi", "along", "pairs", "start", "finish", "upper".
+    pub section: &'static str,
+    /// The number of the node in the section, from 1.
+    pub node: Option<usize>,
+    /// The line of the node.
+    pub rule: String,
+    /// What is wrong.
+    pub why: String,
+}
+
+impl fmt::Display for Rejection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.section)?;
+        if let Some(node) = self.node {
+            write!(f, ", node {node} ({})", self.rule)?;
+        }
+        write!(f, ": {}", self.why)
+    }
+}
+
+impl std::error::Error for Rejection {}
+
+impl Rejection {
+    pub(crate) fn of(section: &'static str, why: &str) -> Self {
+        Self { section, node: None, rule: String::new(), why: why.to_string() }
+    }
+
+    pub(crate) fn at(self, node: usize, rule: &impl fmt::Display) -> Self {
+        Self { node: Some(node), rule: rule.to_string(), ..self }
+    }
+}

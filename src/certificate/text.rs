@@ -1,11 +1,12 @@
 //! The one spelling of a certificate, and its limits: docs/certificate-format.md, section 1.
 
+use std::collections::BTreeMap;
 use std::fmt::{self, Display, Write};
 
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, EndTree, Foot, Node, SpanArc, Upper, Which};
+use super::{Certificate, EndTree, Foot, Node, Upper};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -56,14 +57,10 @@ impl Certificate {
             tree("pairs\n".to_string(), pairs);
         }
         for (name, end) in ["start", "finish"].iter().zip(self.ends.iter().flatten()) {
-            let [x, y, z] = end.axis;
-            tree(format!("{name} {x} {y} {z}\n"), &end.nodes);
+            let ([x, y, z], nodes) = end;
+            tree(format!("{name} {x} {y} {z}\n"), nodes);
         }
         let list = |v: &[Rational]| v.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ");
-        let both = |[s, t]: &[SpanArc; 2]| {
-            let arc = |a: &SpanArc| format!("{} {}", a.span, list(&[a.from.clone(), a.to.clone()]));
-            format!("{} {}", arc(s), arc(t))
-        };
         out += &match &self.upper {
             Upper::None => "upper none\n".to_string(),
             Upper::Curvature { span, t } => format!("upper curvature {span} {}\n", to_fraction_text(t)),
@@ -77,21 +74,36 @@ impl Certificate {
             }
             Upper::Crossing { arcs, normal, first, second } => {
                 let [n, e, f] = [normal, first, second].map(|v| list(v));
-                format!("upper crossing {}\nnormal {n}\nfirst {e}\nsecond {f}\n", both(arcs))
+                format!("upper crossing {}\nnormal {n}\nfirst {e}\nsecond {f}\n", list(arcs.as_flattened()))
             }
-            Upper::Mirror { arcs, normal } => format!("upper mirror {}\nnormal {}\n", both(arcs), list(normal)),
+            Upper::Mirror { arcs, normal } => {
+                format!("upper mirror {}\nnormal {}\n", list(arcs.as_flattened()), list(normal))
+            }
         };
         out + "end\n"
     }
 }
 
+impl Certificate {
+    /// How many leaves of the trees name each rule.
+    pub(crate) fn leaves(&self) -> BTreeMap<&'static str, usize> {
+        let ends = self.ends.iter().flatten().map(|(_, nodes)| nodes);
+        let nodes = [&self.along].into_iter().chain(&self.pairs).chain(ends).flatten();
+        let mut leaves = BTreeMap::new();
+        for node in nodes.filter(|node| !matches!(node, Node::Split | Node::SplitFirst | Node::SplitSecond)) {
+            *leaves.entry(node.name()).or_default() += 1;
+        }
+        leaves
+    }
+}
+
 impl Node {
     /// The first word of its line.
-    pub(crate) const fn name(&self) -> &'static str {
+    const fn name(&self) -> &'static str {
         match self {
             Self::Split => "/",
-            Self::SplitOne(Which::First) => "1",
-            Self::SplitOne(Which::Second) => "2",
+            Self::SplitFirst => "1",
+            Self::SplitSecond => "2",
             Self::Curved => "curved",
             Self::Cone(_) => "cone",
             Self::Slab(_) => "slab",
@@ -179,7 +191,7 @@ impl<'a> Lines<'a> {
     fn end_tree(&mut self, name: &str) -> Result<EndTree, Error> {
         let fields: [&str; 3] = self.fields(name)?;
         let axis = whole(&fields).ok_or_else(|| self.error("wanted three integers"))?;
-        Ok(EndTree { axis, nodes: self.nodes() })
+        Ok((axis, self.nodes()))
     }
 
     fn bound(&mut self, name: &str) -> Result<Option<Rational>, Error> {
@@ -225,12 +237,9 @@ impl<'a> Lines<'a> {
                 let x = self.rationals([x, y, z])?;
                 Ok(Upper::Contact { x, feet: [self.foot()?, self.foot()?] })
             }
-            [kind @ ("crossing" | "mirror"), i, s0, s1, j, t0, t1] => {
+            [kind @ ("crossing" | "mirror"), s0, s1, t0, t1] => {
                 let [s0, s1, t0, t1] = self.rationals([s0, s1, t0, t1])?;
-                let arcs = [
-                    SpanArc { span: self.index(i)?, from: s0, to: s1 },
-                    SpanArc { span: self.index(j)?, from: t0, to: t1 },
-                ];
+                let arcs = [[s0, s1], [t0, t1]];
                 let mut vector = |name| self.fields(name).and_then(|fields| self.rationals(fields));
                 let normal = vector("normal")?;
                 if kind == "mirror" {
@@ -266,8 +275,8 @@ fn node(line: &str) -> Option<Node> {
     let (name, rest) = fields.split_first()?;
     Some(match (*name, rest) {
         ("/", []) => Node::Split,
-        ("1", []) => Node::SplitOne(Which::First),
-        ("2", []) => Node::SplitOne(Which::Second),
+        ("1", []) => Node::SplitFirst,
+        ("2", []) => Node::SplitSecond,
         ("curved", []) => Node::Curved,
         ("cone", rest) => Node::Cone(whole(rest)?),
         ("slab", rest) => Node::Slab(whole(rest)?),

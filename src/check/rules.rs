@@ -1,4 +1,4 @@
-//! The conditions of the leaves: docs/certificate-format.md, sections 3 to 5.
+//! The conditions of the leaves: docs/certificate-format.md, sections 3 to 5. `r` is the square of the radius.
 
 use std::rc::Rc;
 
@@ -6,60 +6,44 @@ use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_traits::{One, Zero};
 
-use super::arc::{End, Piece, Products};
-use super::poly::{Poly, Tensor, Vector, cross, dot, zip};
-use crate::number::Rational;
+use super::arc::Piece;
+use super::poly::{Poly, cross, dot, paired};
+use crate::number::{Rational, compare};
 
 /// Why a condition is not true.
 pub(super) type Why = &'static str;
 
-const NOT_POSITIVE: Why = "a coefficient is not positive";
 const WEIGHTS: Why = "a control weight is not positive";
 /// The unit of `bent` and `share`.
 const UNIT: u32 = 32;
-
-/// The square of a radius.
-pub(super) struct Squared {
-    pub(super) num: BigInt,
-    pub(super) den: BigInt,
-}
-
-impl Squared {
-    pub(super) fn of(r: &Rational) -> Self {
-        Self { num: r.numer() * r.numer(), den: r.denom() * r.denom() }
-    }
-}
 
 pub(super) fn check(fine: bool, why: Why) -> Result<(), Why> {
     if fine { Ok(()) } else { Err(why) }
 }
 
-fn constant(v: &[BigInt; 3]) -> Vector {
-    v.each_ref().map(|c| Poly(vec![c.clone()]))
+pub(super) fn positive(form: &Poly) -> Result<(), Why> {
+    check(form.is_positive(), "a coefficient is not positive")
 }
 
-fn square(v: &[BigInt; 3]) -> BigInt {
-    v.iter().map(|c| c * c).sum()
+/// A positive multiple of |a|^6 - r |b|^2 w^6.
+pub(super) fn curvature(piece: &Piece, r: &Rational) -> Poly {
+    let (aa, wb, ww) = (dot(piece.a(), piece.a()), piece.wb(), piece.w.times(&piece.w));
+    let bw = dot(&wb, &wb).times(&ww.times(&ww));
+    aa.times(&aa).times(&aa).scaled(r.denom()).minus(bw.scaled(r.numer()))
 }
 
-/// A positive multiple of |a|^6 - r^2 |b|^2 w^6.
-pub(super) fn curvature(piece: &Piece, r: &Squared) -> Poly {
-    let cube = |f: &Poly| f.times(f).times(f);
-    let (a, b, w) = (piece.a(), piece.b(), &piece.w);
-    let bw = dot(&b, &b).times(&cube(&w.times(w)));
-    cube(&dot(a, a)).scaled(&r.den).minus(bw.scaled(&r.num))
-}
-
-pub(super) fn curved(piece: &Piece, r: &Squared) -> Result<(), Why> {
+pub(super) fn curved(piece: &Piece, r: &Rational) -> Result<Poly, Why> {
     check(piece.w.is_positive(), WEIGHTS)?;
-    let form = if r.num.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) };
-    check(form.is_positive(), NOT_POSITIVE)
+    Ok(if r.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) })
+}
+
+fn square(g: &[i64; 3]) -> BigInt {
+    g.iter().map(|c| BigInt::from(*c).pow(2)).sum()
 }
 
 /// All tangents of these pieces are within 45 degrees of `g`.
 pub(super) fn cone(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<(), Why> {
-    let g = g.map(BigInt::from);
-    let (gg, axis) = (square(&g), constant(&g));
+    let (gg, axis) = (square(g), g.map(Poly::constant));
     for piece in pieces {
         let ([x, y, z], along) = (piece.a(), dot(piece.a(), &axis));
         let mut vectors = x.0.iter().zip(&y.0).zip(&z.0).zip(&along.0);
@@ -71,126 +55,85 @@ pub(super) fn cone(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<(), Why> {
     Ok(())
 }
 
-/// The least g.p of the control points p, as a fraction with a positive denominator.
-fn least(pieces: &[Rc<Piece>], g: &[BigInt; 3]) -> Result<(BigInt, BigInt), Why> {
-    let axis = constant(g);
-    let mut least: Option<(BigInt, BigInt)> = None;
-    for piece in pieces {
-        check(piece.w.is_positive(), WEIGHTS)?;
-        for (p, w) in dot(&piece.r, &axis).0.into_iter().zip(piece.full_weight().0) {
-            if least.as_ref().is_none_or(|(num, den)| &p * den < num * &w) {
-                least = Some((p, w));
-            }
-        }
-    }
-    least.ok_or("there are no control points")
+/// g.p of the control points p.
+fn heights(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<Vec<Rational>, Why> {
+    check(pieces.iter().all(|piece| piece.w.is_positive()), WEIGHTS)?;
+    let axis = g.map(Poly::constant);
+    let fractions = pieces.iter().flat_map(|piece| dot(&piece.r, &axis).0.into_iter().zip(piece.full_weight().0));
+    Ok(fractions.map(|(num, den)| Rational::new_raw(num, den)).collect())
 }
 
-/// Whether num/den is > 2 r |g|.
-fn apart(num: &BigInt, den: &BigInt, g: &[BigInt; 3], r: &Squared) -> Result<(), Why> {
-    let far = num.sign() == Sign::Plus && num * num * &r.den > (&r.num * square(g) * den * den) << 2_u8;
+pub(super) fn slab(a: &[Rc<Piece>], b: &[Rc<Piece>], g: &[i64; 3], r: &Rational) -> Result<(), Why> {
+    let (above, below) = (heights(a, g)?, heights(b, g)?);
+    let ends = above.iter().min_by(|p, q| compare(p, q)).zip(below.iter().max_by(|p, q| compare(p, q)));
+    let (least, most) = ends.ok_or("there are no control points")?;
+    let (num, den) = (least.numer() * most.denom() - most.numer() * least.denom(), least.denom() * most.denom());
+    let far = num.sign() == Sign::Plus && &num * &num * r.denom() > (r.numer() * square(g) * &den * &den) << 2_u8;
     check(far, "the two are not so far apart along the normal")
 }
 
-pub(super) fn slab(a: &[Rc<Piece>], b: &[Rc<Piece>], g: &[i64; 3], r: &Squared) -> Result<(), Why> {
-    let g = g.map(BigInt::from);
-    let ((p, v), (q, w)) = (least(a, &g)?, least(b, &g.each_ref().map(|c| -c))?);
-    apart(&(p * &w + q * &v), &(v * w), &g, r)
-}
-
-pub(super) fn end_slab(end: &End, pieces: &[Rc<Piece>], g: &[i64; 3], r: &Squared) -> Result<(), Why> {
-    let g = g.map(BigInt::from);
-    let (p, v) = least(pieces, &g)?;
-    let q: BigInt = end.r.iter().zip(&g).map(|(c, g)| c * g).sum();
-    apart(&(p * &end.w - q * &v), &(v * &end.w), &g, r)
-}
-
-/// Adds f(s) g(t) D.a(s), where D.a(s) = (r.a)(s) w(t) - (w a)(s).r(t).
-fn add_first(sum: &mut Tensor, [f, g]: &[Poly; 2], p: &Products, b: &Piece) {
-    sum.add(&f.times(&p.ra), &g.times(&b.w));
-    let minus = f.scaled(&-BigInt::one());
-    p.wa.iter().zip(&b.r).for_each(|(wa, r)| sum.add(&minus.times(wa), &g.times(r)));
-}
-
-/// Adds f(s) g(t) D.a(t), where D.a(t) = r(s).(w a)(t) - w(s) (r.a)(t).
-fn add_second(sum: &mut Tensor, [f, g]: &[Poly; 2], a: &Piece, q: &Products) {
-    sum.add(&f.times(&a.w), &g.scaled(&-BigInt::one()).times(&q.ra));
-    a.r.iter().zip(&q.wa).for_each(|(r, wa)| sum.add(&f.times(r), &g.times(wa)));
-}
-
-/// v and v' of the page without common factor.
-fn first_weights(a: &Piece, b: &Piece) -> Result<[BigInt; 2], Why> {
+/// The first weights of two pieces without common factor: > 0, as values of w, for which `curved` stands.
+fn first_weights(a: &Piece, b: &Piece) -> [BigInt; 2] {
     let [v, w] = [a, b].map(|piece| piece.w.0.first().cloned().unwrap_or_default());
-    check(v.sign() == Sign::Plus && w.sign() == Sign::Plus, WEIGHTS)?;
-    let common = v.gcd(&w);
-    Ok([v / &common, w / common])
+    let common = v.gcd(&w).max(BigInt::one());
+    [v / &common, w / common]
 }
 
+/// x D.a(s) + y D.a(t), x and y squared weights apart. D.a(t) = r(s).(w a)(t) - w(s) (r.a)(t).
 pub(super) fn side(a: &Piece, b: &Piece, fields: [i64; 2]) -> Result<(), Why> {
-    let ([x, y], [v, w]) = (fields.map(BigInt::from), first_weights(a, b)?);
-    let (mut sum, one) = (Tensor::default(), Poly(vec![BigInt::one()]));
-    add_first(&mut sum, &[Poly(vec![x * &w * &w]), one.clone()], a.products(), b);
-    add_second(&mut sum, &[one, Poly(vec![y * &v * &v])], a, b.products());
-    check(sum.sign().is_some(), "the coefficients have no strict common sign")
+    let ([x, y], [v, w]) = (fields.map(BigInt::from), first_weights(a, b));
+    let (of_s, of_t) = (x * &w * &w, -y * &v * &v);
+    let first = paired(a.products().tilt.each_ref().map(|f| f.scaled(&of_s)), b.point());
+    let sum = first.plus(paired(a.point().map(|f| f.scaled(&of_t)), b.products().tilt.each_ref())).flat();
+    check(sum.has_sign(Sign::Plus) || sum.has_sign(Sign::Minus), "the coefficients have no strict common sign")
 }
 
-pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> Result<(), Why> {
-    check(bent_form(a, b, fields, r)?.sign() == Some(true), NOT_POSITIVE)
-}
-
-/// A positive multiple of the form of `bent`.
-pub(super) fn bent_form(a: &Piece, b: &Piece, fields: [i64; 6], r: &Squared) -> Result<Tensor, Why> {
+/// The form of `bent` times a positive number.
+pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Result<Poly, Why> {
     let ([x, y, g, h, u, v], unit) = (fields.map(BigInt::from), BigInt::one() << UNIT);
-    let twice = |x: &BigInt| x << 1_u8;
-    // 2 - u and 2 - v, times 2^32
-    let (of_a, of_b) = (twice(&unit) - &u, twice(&unit) - &v);
-    check([&of_a, &of_b].iter().all(|x| **x > unit && **x < &unit * 3), "a weight grows too fast")?;
-    let [first, second] = first_weights(a, b)?;
-    // k = top / bottom
-    let (top, bottom) = (second * of_a, first * of_b);
-    // 1 + g (x - s) + u (1/2 - s) at s = 0 and at s = 1, times 2^65
-    let line = |x: &BigInt, g: &BigInt, u: &BigInt| {
-        let [from, to] = [x.clone(), x - &unit].map(|offset| twice(&(&unit * &unit + g * offset)));
-        Poly(vec![from + u * &unit, to - u * &unit])
+    check([&u, &v].iter().all(|u| u.magnitude() < unit.magnitude()), "a weight grows too fast")?;
+    let [first, second] = first_weights(a, b);
+    // k = top / bottom, both > 0; everything is times top, bottom, the denominator of r and 2^130
+    let (top, bottom): (BigInt, BigInt) = (second * (&unit * 2 - &u), first * (&unit * 2 - &v));
+    // (x - s)(1 + g (x - s) + u (1/2 - s)) times 2^97
+    let own = |x: &BigInt, g: &BigInt, u: &BigInt| {
+        let line = |x: &BigInt| (&unit * &unit + g * x) << 1_u8;
+        let next = x - &unit;
+        Poly(vec![line(x) + u * &unit, line(&next) - u * &unit]).times(&Poly(vec![x.clone(), next]))
     };
-    // 1 + u (s - 1/2) at both ends, times 2^33; times 2^33 alone if the weight is constant
+    // 1 + u (s - 1/2), or 1 if the weight is constant, times 2^33
     let weight = |piece: &Piece, u: &BigInt| match piece.w.0.len() {
-        1 => Poly(vec![twice(&unit)]),
-        _ => Poly(vec![twice(&unit) - u, twice(&unit) + u]),
+        1 => Poly::constant(&unit * 2),
+        _ => Poly(vec![&unit * 2 - u, &unit * 2 + u]),
     };
     let (p, q) = (a.products(), b.products());
-    // everything times top, bottom, the denominator of r^2 and 2^130
+    // |D|^2 - 4 r w(s)^2 w(t)^2
     let plain = (&top * &bottom) << (4 * UNIT + 2);
-    let mut sum = Tensor::default();
-    let square = &plain * &r.den;
-    sum.add(&p.rr.scaled(&square), &q.ww);
-    sum.add(&p.ww.scaled(&square), &q.rr);
-    let twice_less = -twice(&square);
-    p.rw.iter().zip(&q.rw).for_each(|(f, g)| sum.add(&f.scaled(&twice_less), g));
-    sum.add(&p.ww.scaled(&-twice(&twice(&(plain * &r.num)))), &q.ww);
-    let own = |at: Poly, line: Poly, k: &BigInt| at.times(&line).scaled(&(k * k * &r.den));
-    let of_s = own(Poly(vec![x.clone(), &x - &unit]), line(&x, &g, &u), &top);
-    let of_t = own(Poly(vec![-&y, &unit - &y]), line(&y, &h, &v), &bottom);
-    add_first(&mut sum, &[of_s, weight(b, &v)], p, b);
-    add_second(&mut sum, &[weight(a, &u), of_t], a, q);
-    Ok(sum)
+    let (square, disks) = (&plain * r.denom(), (&plain * r.numer()) << 2_u8);
+    let ends = [p.ww.scaled(&square), p.rr.scaled(&square), p.ww.scaled(&-disks)];
+    let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&square * -2))), q.rw.each_ref());
+    let distance = mixed.plus(paired(ends, [&q.rr, &q.ww, &q.ww]));
+    // k (x - s) .. D.a(s) and 1/k (t - y) .. D.a(t) = (y - t) .. (w(s) (r.a)(t) - r(s).(w a)(t))
+    let of_s = own(&x, &g, &u).scaled(&(&top * &top * r.denom()));
+    let of_t = own(&y, &h, &v).scaled(&(&bottom * &bottom * r.denom()));
+    let (of_a, of_b) = (weight(a, &u), weight(b, &v));
+    let point = b.point().map(|g| g.times(&of_b));
+    let first = paired(p.tilt.each_ref().map(|f| f.times(&of_s)), point.each_ref());
+    let tilt = q.tilt.each_ref().map(|g| g.times(&of_t));
+    let second = paired(a.point().map(|f| f.times(&of_a)), tilt.each_ref());
+    Ok(distance.plus(first).plus(second).flat())
 }
 
-pub(super) fn share(end: &End, piece: &Piece, k: i64, r: &Squared) -> Result<(), Why> {
+/// The form of `share` times 2^64 and the denominator of r.
+pub(super) fn share(end: &Piece, piece: &Piece, k: i64, r: &Rational) -> Result<Poly, Why> {
     check((0..=1 << UNIT).contains(&k), "the share is not in 0 .. 2^32")?;
-    check(share_form(end, piece, k, r).is_positive(), NOT_POSITIVE)
-}
-
-/// The form of `share` times 2^64 and the denominator of r^2.
-pub(super) fn share_form(end: &End, piece: &Piece, k: i64, r: &Squared) -> Poly {
     let (k, unit) = (BigInt::from(k), BigInt::one() << UNIT);
-    let (a, d) = (piece.a(), constant(&end.a));
-    let q = zip(piece.r.each_ref(), end.r.each_ref(), |r, e| r.scaled(&end.w).minus(piece.w.scaled(e)));
-    let u = cross(&d, a);
-    let (squared, other) = (|f: Poly| f.times(&f), &unit - &k);
-    let of_end = squared(dot(a, &q)).times(&dot(&d, &d)).scaled(&(&k * &unit));
-    let of_body = squared(dot(&d, &q)).times(&dot(a, a)).scaled(&(&other * &unit));
+    let (a, d, q, other) = (piece.a(), end.a(), piece.away_from(end), &unit - &k);
+    let u = cross(d, a);
+    let squared = |f: Poly| f.times(&f);
+    let of_end = squared(dot(a, &q)).times(&dot(d, d)).scaled(&(&k * &unit));
+    let of_body = squared(dot(d, &q)).times(&dot(a, a)).scaled(&(&other * &unit));
     let between = squared(dot(&u, &q)).scaled(&(k * other));
-    let disks = dot(&u, &u).times(&squared(piece.w.scaled(&end.w))).scaled(&(&r.num * &unit * &unit));
-    of_end.plus(of_body).plus(between).scaled(&r.den).minus(disks)
+    let disks = dot(&u, &u).times(&squared(piece.w.times(&end.w))).scaled(&(r.numer() * &unit * &unit));
+    Ok(of_end.plus(of_body).plus(between).scaled(r.denom()).minus(disks))
 }

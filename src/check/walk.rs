@@ -1,121 +1,90 @@
 //! The walk of the trees: docs/certificate-format.md, sections 3 to 5. The stack is on the heap.
 
-use std::collections::BTreeMap;
+use num_traits::{One, Zero};
 
 use super::Rejection;
-use super::arc::{Arc, End, Piece, Spine};
-use super::rules::{Squared, Why, bent, cone, curved, end_slab, share, side, slab};
-use crate::certificate::{EndTree, Node, Which};
+use super::arc::{Arc, Piece, Spine};
+use super::rules::{Why, bent, check, cone, curved, positive, share, side, slab};
+use crate::certificate::{EndTree, Node};
+use crate::number::Rational;
 
 const MISPLACED: Why = "the rule does not belong here";
-
-pub(super) struct Walk<'a> {
-    pub(super) spine: &'a Spine,
-    pub(super) r: Squared,
-    /// How many leaves each rule closed.
-    pub(super) leaves: BTreeMap<&'static str, usize>,
-}
 
 enum Pair {
     Same(Arc),
     Two(Arc, Arc),
 }
 
-impl Walk<'_> {
-    /// Walks a tree from `root`; `step` gives the children of a node, in their order, or checks a leaf.
-    fn tree<T>(
-        &mut self,
-        section: &'static str,
-        nodes: &[Node],
-        root: T,
-        mut step: impl FnMut(&Self, &Node, T) -> Result<Vec<T>, Why>,
-    ) -> Result<(), Rejection> {
-        let mut open = vec![root];
-        for (i, node) in nodes.iter().enumerate() {
-            let next = open.pop().ok_or("the tree has ended before");
-            let children = next.and_then(|next| step(self, node, next)).map_err(|why| Rejection {
-                section,
-                node: Some(i + 1),
-                rule: node.to_string(),
-                why: why.to_string(),
-            })?;
-            if children.is_empty() {
-                *self.leaves.entry(node.name()).or_default() += 1;
+/// Walks a tree from `root`; `step` gives the children of a node, in their order, or checks a leaf.
+fn tree<T>(
+    section: &'static str,
+    nodes: &[Node],
+    root: T,
+    mut step: impl FnMut(&Node, T) -> Result<Vec<T>, Why>,
+) -> Result<(), Rejection> {
+    let mut open = vec![root];
+    for (i, node) in nodes.iter().enumerate() {
+        let next = open.pop().ok_or("the tree has ended before");
+        let children = next.and_then(|next| step(node, next));
+        open.extend(children.map_err(|why| Rejection::of(section, why).at(i + 1, node))?.into_iter().rev());
+    }
+    if open.is_empty() { Ok(()) } else { Err(Rejection::of(section, "the tree stops short")) }
+}
+
+pub(super) fn along(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), Rejection> {
+    tree("along", nodes, spine.spans.clone(), |node, arc| match node {
+        Node::Split => spine.halves(&arc).map(Vec::from),
+        Node::Curved => positive(&curved(one(&arc)?, r)?).map(|()| vec![]),
+        _ => Err(MISPLACED),
+    })
+}
+
+pub(super) fn pairs(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), Rejection> {
+    use Pair::{Same, Two};
+    tree("pairs", nodes, Same(spine.spans.clone()), |node, pair| {
+        match (node, &pair) {
+            (Node::Split, Same(a)) => {
+                let [first, second] = spine.halves(a)?;
+                return Ok(vec![Same(first.clone()), Two(first, second.clone()), Same(second)]);
             }
-            open.extend(children.into_iter().rev());
-        }
-        if open.is_empty() { Ok(()) } else { Err(Rejection::of(section, "the tree stops short")) }
-    }
-
-    pub(super) fn along(&mut self, nodes: &[Node]) -> Result<(), Rejection> {
-        self.tree("along", nodes, self.spine.whole(), |walk, node, arc| match node {
-            Node::Split => walk.spine.halves(&arc).map(Vec::from),
-            Node::Curved => curved(one(&arc)?, &walk.r).map(|()| vec![]),
+            (Node::SplitFirst, Two(a, b)) => return Ok(spine.halves(a)?.map(|a| Two(a, b.clone())).into()),
+            (Node::SplitSecond, Two(a, b)) => return Ok(spine.halves(b)?.map(|b| Two(a.clone(), b)).into()),
+            (Node::Cone(g), Same(a)) => cone(a, g),
+            (Node::Cone(g), Two(a, b)) => {
+                check(spine.touch(a, b), "the arcs do not touch")?;
+                cone(&[&**a, &**b].concat(), g)
+            }
+            (Node::Slab(g), Two(a, b)) => slab(a, b, g, r),
+            (Node::Side(fields), Two(a, b)) => side(one(a)?, one(b)?, *fields),
+            (Node::Bent(fields), Two(a, b)) => positive(&bent(one(a)?, one(b)?, *fields, r)?),
             _ => Err(MISPLACED),
-        })
-    }
+        }?;
+        Ok(vec![])
+    })
+}
 
-    pub(super) fn pairs(&mut self, nodes: &[Node]) -> Result<(), Rejection> {
-        self.tree("pairs", nodes, Pair::Same(self.spine.whole()), |walk, node, pair| {
-            let (spine, r) = (walk.spine, &walk.r);
-            match (node, &pair) {
-                (Node::Split, Pair::Same(a)) => {
-                    let [first, second] = spine.halves(a)?;
-                    let between = Pair::Two(first.clone(), second.clone());
-                    return Ok(vec![Pair::Same(first), between, Pair::Same(second)]);
-                }
-                (Node::SplitOne(Which::First), Pair::Two(a, b)) => {
-                    return Ok(spine.halves(a)?.map(|a| Pair::Two(a, b.clone())).into());
-                }
-                (Node::SplitOne(Which::Second), Pair::Two(a, b)) => {
-                    return Ok(spine.halves(b)?.map(|b| Pair::Two(a.clone(), b)).into());
-                }
-                (Node::Cone(g), Pair::Same(a)) => cone(spine.pieces(a), g),
-                (Node::Cone(g), Pair::Two(a, b)) if spine.touch(a, b) => {
-                    cone(spine.pieces(a), g)?;
-                    cone(spine.pieces(b), g)
-                }
-                (Node::Cone(_), _) => Err("the arcs do not touch"),
-                (Node::Slab(g), Pair::Two(a, b)) => slab(spine.pieces(a), spine.pieces(b), g, r),
-                (Node::Side(fields), Pair::Two(a, b)) => side(one(a)?, one(b)?, *fields),
-                (Node::Bent(fields), Pair::Two(a, b)) => bent(one(a)?, one(b)?, *fields, r),
-                _ => Err(MISPLACED),
-            }?;
-            Ok(vec![])
-        })
-    }
-
-    /// The end `e` and the body; `reverse` on the finish.
-    pub(super) fn end(
-        &mut self,
-        section: &'static str,
-        tree: &EndTree,
-        e: &End,
-        reverse: bool,
-    ) -> Result<(), Rejection> {
-        let mut local = true;
-        self.tree(section, &tree.nodes, self.spine.whole(), |walk, node, arc| {
-            let pieces = walk.spine.pieces(&arc);
-            match node {
-                Node::Split => {
-                    let [first, second] = walk.spine.halves(&arc)?;
-                    return Ok(if reverse { vec![second, first] } else { vec![first, second] });
-                }
-                Node::Local if local => return cone(pieces, &tree.axis).map(|()| vec![]),
-                Node::Local => Err("a leaf before this one is not local"),
-                Node::Slab(g) => end_slab(e, pieces, g, &walk.r),
-                Node::Share(k) => share(e, one(&arc)?, *k, &walk.r),
-                _ => Err(MISPLACED),
-            }?;
-            local = false;
-            Ok(vec![])
-        })
-    }
+/// The start, or the finish, and the body; on the finish the order is reversed.
+pub(super) fn end(spine: &Spine, r: &Rational, finish: bool, (axis, nodes): &EndTree) -> Result<(), Rejection> {
+    let (section, t) = if finish { ("finish", Rational::one()) } else { ("start", Rational::zero()) };
+    let span = if finish { spine.spans.last() } else { spine.spans.first() };
+    let e = span.ok_or_else(|| Rejection::of(section, "there is no span"))?.at(&t);
+    let mut local = true;
+    tree(section, nodes, spine.spans.clone(), |node, arc| {
+        match node {
+            Node::Split => {
+                let [first, second] = spine.halves(&arc)?;
+                return Ok(if finish { vec![second, first] } else { vec![first, second] });
+            }
+            Node::Local => check(local, "a leaf before this one is not local").and_then(|()| cone(&arc, axis)),
+            Node::Slab(g) => slab(&arc, std::slice::from_ref(&e), g, r),
+            Node::Share(k) => positive(&share(&e, one(&arc)?, *k, r)?),
+            _ => Err(MISPLACED),
+        }?;
+        local = *node == Node::Local;
+        Ok(vec![])
+    })
 }
 
 fn one(arc: &Arc) -> Result<&Piece, Why> {
-    match arc {
-        Arc::Piece(piece) => Ok(piece),
-        Arc::Block(..) => Err("the arc is more than one piece"),
-    }
+    if let [piece] = &**arc { Ok(piece) } else { Err("the arc is more than one piece") }
 }

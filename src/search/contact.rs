@@ -5,7 +5,7 @@ use super::frame::{At, ExactForms, Frame};
 use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
-use crate::certificate::{Foot, SpanArc, Upper};
+use crate::certificate::{Foot, Upper};
 use crate::integer::{Int, exact_div, gcd};
 use crate::number::{Rational, compare};
 use crate::spine::Bezier;
@@ -18,7 +18,7 @@ pub(crate) struct Touch {
     pub(crate) s: [At; 2],
     pub(crate) t: [At; 2],
     pub(crate) points: Option<Vec<[Rational; 3]>>,
-    /// As docs/certificate-format.md has it; not for a crossing on a joint.
+    /// As docs/certificate-format.md has it.
     pub(crate) upper: Upper,
 }
 
@@ -144,7 +144,8 @@ impl Exact<'_> {
                 let arcs = [arc(&x, false)?, arc(&y, back)?];
                 let [image, other] = arcs.each_ref().map(|(k, from, to)| self.frame.segments[*k].arc(from, to));
                 let normal = through_mirror(&image, &other)?.map(|x| Rational::from(x.big()));
-                let arcs = arcs.map(|(span, from, to)| SpanArc { span, from: from.rational(), to: to.rational() });
+                let place = |span: usize, t: &Dyadic| Rational::from(BigInt::from(span)) + t.rational();
+                let arcs = arcs.map(|(span, from, to)| [place(span, &from), place(span, &to)]);
                 Some(([x, y], Upper::Mirror { arcs, normal }))
             });
             if found.is_some() {
@@ -167,7 +168,7 @@ impl Exact<'_> {
                     vector
                 };
                 let normal = normal.map(|x| Rational::from(x.big()));
-                let upper = crossing([&x, &y], normal, rows.map(row));
+                let upper = crossing(self.frame, [&x, &y], normal, rows.map(row));
                 return Some(([x, y], upper));
             }
         }
@@ -196,23 +197,19 @@ fn strand(frame: &Frame, segment: usize, from: &Dyadic, to: &Dyadic) -> Option<S
     Some(Strand { ends, arcs, pace })
 }
 
-/// The witness of a crossing, its arcs in the order of the spine. `Upper::None` across a joint: the format has no such.
-fn crossing([s, t]: [&Strand; 2], normal: [Rational; 3], [first, second]: [[Rational; 3]; 2]) -> Upper {
-    if s.arcs.len() + t.arcs.len() > 2 {
-        return Upper::None;
-    }
-    let arc = |strand: &Strand| {
-        let [from, to] = &strand.ends;
-        // an arc that ends at a joint ends in its own segment
-        let end = if to.segment == from.segment { to.t.rational() } else { Dyadic::ONE.rational() };
-        SpanArc { span: from.segment, from: from.t.rational(), to: end }
-    };
-    let place = |strand: &Strand| (strand.ends[0].segment, strand.ends[0].t.rational());
-    let ((i, a), (j, b)) = (place(s), place(t));
-    if i.cmp(&j).then(compare(&a, &b)).is_lt() {
-        Upper::Crossing { arcs: [arc(s), arc(t)], normal, first, second }
+/// The witness of a crossing, its arcs in the order of the spine.
+fn crossing(frame: &Frame, strands: [&Strand; 2], normal: [Rational; 3], rows: [[Rational; 3]; 2]) -> Upper {
+    let arcs = strands.map(|strand| {
+        let [from, to] = strand.ends.each_ref().map(|at| Rational::from(BigInt::from(at.segment)) + at.t.rational());
+        // across the closure
+        let turn = BigInt::from(if compare(&from, &to).is_gt() { frame.segments.len() } else { 0 });
+        [from, to + turn]
+    });
+    let ([s, t], [first, second]) = (arcs, rows);
+    if compare(&s[0], &t[0]).is_lt() {
+        Upper::Crossing { arcs: [s, t], normal, first, second }
     } else {
-        Upper::Crossing { arcs: [arc(t), arc(s)], normal, first: second, second: first }
+        Upper::Crossing { arcs: [t, s], normal, first: second, second: first }
     }
 }
 

@@ -10,7 +10,7 @@ use super::frame::Frame;
 use super::newton::newton_step;
 use super::rules::{Closed, Gap, Model, Shape, UNITS, across, bulge, decide, one_side, sides, tilted};
 use super::tree::{Cell, Cone, Id, Tree, norm, sub, unit};
-use crate::certificate::{EndTree, Node, Which};
+use crate::certificate::{EndTree, Node};
 use crate::integer::{Int, ldexp};
 
 /// More nodes are not written: such a certificate would be of no use.
@@ -115,13 +115,13 @@ impl Pairs<'_, '_> {
         }
         let (a, b) = (self.tree.node(i), self.tree.node(j));
         let first = a.rad >= b.rad;
-        let order =
-            if first { [(Which::First, i), (Which::Second, j)] } else { [(Which::Second, j), (Which::First, i)] };
-        let (which, (l, r)) = order.into_iter().find_map(|(which, id)| Some((which, self.tree.children(id)?)))?;
-        self.nodes.push(Node::SplitOne(which));
+        let (of_first, of_second) = ((Node::SplitFirst, i), (Node::SplitSecond, j));
+        let order = if first { [of_first, of_second] } else { [of_second, of_first] };
+        let (split, (l, r)) = order.into_iter().find_map(|(split, id)| Some((split, self.tree.children(id)?)))?;
+        self.nodes.push(split);
         let r = if planted(Fault::CellRepeated) { l } else { r };
         for half in [l, r] {
-            if which == Which::First { self.visit(half, j)? } else { self.visit(i, half)? }
+            if split == Node::SplitFirst { self.visit(half, j)? } else { self.visit(i, half)? }
         }
         Some(())
     }
@@ -238,7 +238,7 @@ pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
         let (left, right) = search.tree.children(id)?;
         open.extend(if finish { [left, right] } else { [right, left] });
     }
-    Some(EndTree { axis, nodes })
+    Some((axis, nodes))
 }
 
 /// The model that the search has of two cells.

@@ -12,7 +12,7 @@ products are convolutions, and signs stay.  Its formal degree is the length of t
 import hashlib, json, re, sys
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial
-from math import comb, gcd, lcm
+from math import ceil, comb, floor, gcd, lcm
 from pathlib import Path
 
 INF, MAX_BYTES, MAX_DIGITS, MAX_HALVINGS, UNIT = "inf", 256 << 20, 20000, 512, 1 << 32
@@ -108,8 +108,8 @@ NODES = {"/": [], "1": [], "2": [], "curved": [], "local": [], "share": [small],
 # Section 6: those of a witness; and for each line that follows it the keywords allowed, with theirs.
 VECTOR, FEET = [rational] * 3, {"plane": [rational], "valley": [rational] * 3}
 WITNESSES = {"none": ([], []), "curvature": ([index, rational], []), "corner": ([index], []), "contact": (VECTOR, [FEET, FEET]),
-             "crossing": ([index, rational, rational] * 2, [{name: VECTOR} for name in ("normal", "first", "second")]),
-             "mirror": ([index, rational, rational] * 2, [{"normal": VECTOR}])}
+             "crossing": ([rational] * 4, [{name: VECTOR} for name in ("normal", "first", "second")]),
+             "mirror": ([rational] * 4, [{"normal": VECTOR}])}
 
 class Certificate:
     """Digest, bounds, for every section the vector and the nodes of its tree, and the witness."""
@@ -413,9 +413,9 @@ def check_upper(witness, spine, hi):
         (first, last), (first2, last2) = (check_foot(line, fields, spine, hi) for line in lines)
         need(last < first2 and (not spine.closed or last2 < first + spine.n), "upper contact: not apart")
     elif kind == "crossing":
-        check_crossing(two_arcs(*fields, spine), *lines)
+        check_crossing(strands(*fields, spine), *lines)
     elif kind == "mirror":
-        check_mirror(two_arcs(*fields, spine), *lines)
+        check_mirror(strands(*fields, spine), *lines)
 
 def check_foot(line, x, spine, hi):
     """A plane (one position) or a valley (three).  Answers its first and its last position."""
@@ -429,33 +429,45 @@ def check_foot(line, x, spine, hi):
         need(squares[1] < squares[0] and squares[1] < squares[2], "valley: not nearer than both ends")
     return line[0], line[-1]
 
-def two_arcs(I, S0, S1, J, T0, T1, spine):
-    """Of crossing and mirror."""
-    need(I < spine.n and J < spine.n and all(0 <= x <= 1 for x in (S0, S1, T0, T1)), "crossing, mirror: no such arcs")
-    ((first, last), (first2, last2)) = sorted((I + S0, I + S1)), sorted((J + T0, J + T1))
-    need(last < first2 and (not spine.closed or last2 < first + spine.n), "crossing, mirror: the arcs are not apart")
-    def part(span, start, end):
+def strands(S0, S1, T0, T1, spine):
+    """Of crossing and mirror: two tuples of pieces."""
+    (first, last), (first2, last2) = sorted((S0, S1)), sorted((T0, T1))
+    need(0 <= first and last < first2 and (not spine.closed or last2 < first + spine.n), "crossing, mirror: not apart")
+    def part(k, start, end):
+        need(spine.closed or k < spine.n, "crossing, mirror: beyond the end")
+        span = spine.spans[k % spine.n]
         n = len(span.weights) - 1
         return Piece(segment(span.lines, [Fraction(0)] * n + [Fraction(1)] * n, start, end), span.flat, start, end)
-    arcs = part(spine.spans[I], S0, S1), part(spine.spans[J], T0, T1)
-    need(weights_positive(arcs), "crossing, mirror: a weight that is not positive")
-    return arcs
+    def strand(start, end):
+        low, high = sorted((start, end))
+        cuts = [(k, max(low - k, Fraction(0)), min(high - k, Fraction(1))) for k in range(floor(low), ceil(high))]
+        return tuple(part(*cut) for cut in cuts) if start < end else tuple(part(k, y, x) for k, x, y in reversed(cuts))
+    both = strand(S0, S1), strand(T0, T1)
+    need(all(both), "crossing, mirror: an empty strand")
+    need(weights_positive(both[0] + both[1]), "crossing, mirror: a weight that is not positive")
+    return both
 
-def check_mirror(arcs, normal):
-    A, B = arcs
+def check_mirror(both, normal):
+    need(len(both[0]) == len(both[1]) == 1, "mirror: more than one piece")
+    (A,), (B,) = both
     D = [f * B.w - A.w * g for f, g in zip(A.r, B.r)]
     side = dot(D, normal)
     need(not any(map(any, cross(D, normal))), "mirror: not along the normal")
     need(side[0] * side[-1] < 0, "mirror: no change of sides")
 
-def check_crossing(arcs, normal, first, second):
-    A, B = arcs
+def check_crossing(both, normal, first, second):
     need(dot(normal, cross(first, second)) != 0, "crossing: the three vectors are dependent")
-    need(len(set(heights((A, B), normal))) == 1, "crossing: not in one plane")
-    D, _ = difference(A, B)
-    for rows in dot(D, first), [Poly(row) for row in zip(*dot(D, second))]:
-        change = positive(rows[0]) and positive(-1 * rows[-1]) or positive(-1 * rows[0]) and positive(rows[-1])
-        need(change, "crossing: no change of sign")
+    need(len(set(heights(both[0] + both[1], normal))) == 1, "crossing: not in one plane")
+    (start_a, *_, end_a), (start_b, *_, end_b) = [(*strand, strand[-1]) for strand in both]
+    def rows(A, B, v):
+        return dot(difference(A, B)[0], v)
+    def change(start, end):
+        start, end = ([c for row in side for c in row] for side in (start, end))
+        return positive(start) and positive([-c for c in end]) or positive([-c for c in start]) and positive(end)
+    need(change([rows(start_a, B, first)[0] for B in both[1]], [rows(end_a, B, first)[-1] for B in both[1]]),
+         "crossing: no change of sign of D.first")
+    need(change([[row[0] for row in rows(A, start_b, second)] for A in both[0]],
+                [[row[-1] for row in rows(A, end_b, second)] for A in both[0]]), "crossing: no change of sign of D.second")
 
 # ---- all of it, and the verdict (head of the page) ----------------------------------------------------------------------
 
