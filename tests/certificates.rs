@@ -106,6 +106,8 @@ fn other_shapes() {
         alpha(q(3, 2000)),
         alpha(int(0)),
         figure_eight(),
+        crossing_on_a_knot(1),
+        crossing_on_its_seam(),
         butterfly(),
         glide(),
         bulb(q(1, 100)),
@@ -342,7 +344,9 @@ fn second_checker_agrees() {
         .map(|(name, width)| loose(name, width))
         .to_vec();
     let crossing = bezier_int(&[[0, 0, 0], [7, 5, 0], [-3, 6, 0], [4, 0, 0]]);
-    for (name, curve) in [("crossing", crossing), ("butterfly", butterfly()), ("alpha", alpha(int(0)))] {
+    let seam = crossing_on_its_seam();
+    for (name, curve) in [("crossing", crossing), ("seam", seam), ("butterfly", butterfly()), ("alpha", alpha(int(0)))]
+    {
         std::fs::write(scratch.join(format!("{name}.json")), curve.to_json()).unwrap();
         sampled.push((name, certificate(&curve, 1e-2)));
     }

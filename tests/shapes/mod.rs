@@ -177,6 +177,38 @@ pub fn figure_eight() -> Curve {
     )
 }
 
+/// A bow (u, 0, height + u^2), u from `from` to 1, over the line (slant v, v, 0) with v = t^3 + t - 1, joined by a cubic: the
+/// doubly critical pair has distance `height` and lies on the knot u = 0, and at the irrational zero of v.
+pub fn bow_over_a_line(height: &Rational, slant: i64, from: &Rational) -> Curve {
+    let zero = int(0);
+    let bow: [&[Rational]; 3] = [&[int(0), int(1)], &[], &[height.clone(), int(0), int(1), int(0)]];
+    let along = |k: i64| [-k, k, 0, k].map(int);
+    let line: [&[Rational]; 3] = [&along(slant), &along(1), &[]];
+    let (left, right) = (from_powers(bow, from, &zero), from_powers(bow, &zero, &int(1)));
+    let line = from_powers(line, &int(-1), &int(2));
+    let joint = [[int(5), int(0), height + int(9)], [int(-25 * slant), int(-25), int(0)]];
+    let pieces = [left.control_points(), &right.control_points()[1..], &joint[..], line.control_points()];
+    let knots = (0..=4).flat_map(|k| vec![int(k); if k % 4 == 0 { 4 } else { 3 }]).collect();
+    Curve::new(3, pieces.concat(), None, Some(knots)).expect("a curve")
+}
+
+/// In a plane, so that the bow crosses the line: on a knot, and at an irrational parameter.
+pub fn crossing_on_a_knot(slant: i64) -> Curve {
+    map_points(&bow_over_a_line(&int(0), slant, &int(-1)), |[x, y, z]| [x.clone(), y + z, int(0)])
+}
+
+/// The same closed by a cubic, the seam on that knot.
+pub fn crossing_on_its_seam() -> Curve {
+    let flat = crossing_on_a_knot(0);
+    let points = flat.control_points();
+    let (end, start) = (&points[points.len() - 1], &points[0]);
+    let back = [[end[0].clone(), &end[1] + int(3), int(0)], [&start[0] - int(3), &start[1] + int(6), int(0)]];
+    let turned = [&points[3..], &back[..], &points[..4]].concat();
+    let spans = (turned.len() - 1) / 3;
+    let knots = (0..=spans).flat_map(|k| vec![int(k as i64); if k % spans == 0 { 4 } else { 3 }]).collect();
+    Curve::new(3, turned, None, Some(knots)).expect("a curve")
+}
+
 /// A spine in space that is its own mirror image, the start that of the finish: it passes through the mirror x = 0 at
 /// irrational parameters, and there through itself.
 pub fn butterfly() -> Curve {
