@@ -113,7 +113,7 @@ impl Search<'_, '_> {
             return None;
         }
         let narrow = a.cone.cos.min(b.cone.cos) > 0.9;
-        let (split_first, rad) = (a.rad >= b.rad, a.rad.max(b.rad));
+        let (split_first, rad) = (self.tree.first_is_split(i, j), a.rad.max(b.rad));
         if let (Some(x), Some(y)) = (&a.cell, &b.cell) {
             let floor = x.p_err.max(y.p_err);
             if self.closed_by_hulls(x, y, &q0, &across(&q0, &a.cone, &b.cone)) {

@@ -204,12 +204,18 @@ impl<'t, 'f> Search<'t, 'f> {
         }
     }
 
-    /// The middle between the tangents of the end and of the farthest point all of whose pairs up to the end are local.
+    /// A vector within 45 degrees of all tangents from the end to as far as needed: the middle between the tangents at both
+    /// ends of that arc.
     pub(super) fn axis_of_local(&mut self) -> V3 {
-        let mut open = vec![self.tree.root()];
+        let here = unit(&self.end.tangent);
+        let (mut open, mut axis) = (vec![self.tree.root()], here);
         while let Some(id) = open.pop() {
-            if self.local(id) {
+            let there = unit(&self.tree.tangent(id, !self.end.finish));
+            let middle = unit(&std::array::from_fn(|k| here[k] + there[k]));
+            let near = |id: &Id| self.tree.node(*id).cone.within_45_degrees_of(&middle);
+            if near(&id) && self.reach.iter().all(near) {
                 self.reach.push(id);
+                axis = middle;
                 continue;
             }
             if self.leaf(id).is_some() {
@@ -218,11 +224,7 @@ impl<'t, 'f> Search<'t, 'f> {
             let Some((left, right)) = self.tree.children(id) else { break };
             open.extend(if self.end.finish { [left, right] } else { [right, left] });
         }
-        let here = unit(&self.end.tangent);
-        let Some(far) = self.reach.last() else { return here };
-        let node = self.tree.node(*far);
-        let there = unit(&self.tree.velocity(if self.end.finish { &node.start } else { &node.end }));
-        std::array::from_fn(|k| here[k] + there[k])
+        axis
     }
 
     /// A rule of docs/certificate-format.md that closes the node, other than `local`.

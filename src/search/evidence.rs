@@ -114,7 +114,14 @@ impl Pairs<'_, '_> {
             return self.visit(r, r);
         }
         let (a, b) = (self.tree.node(i), self.tree.node(j));
-        let first = a.rad >= b.rad;
+        // tilt is a rule for single pieces
+        let q0 = sub(&a.mid, &b.mid);
+        let tilt = [a, b].iter().any(|node| tilted(&q0, norm(&q0), a.rad + b.rad, node));
+        let first = match (a.cell.is_none(), b.cell.is_none()) {
+            (true, false) if tilt => true,
+            (false, true) if tilt => false,
+            _ => self.tree.first_is_split(i, j),
+        };
         let (of_first, of_second) = ((Node::SplitFirst, i), (Node::SplitSecond, j));
         let order = if first { [of_first, of_second] } else { [of_second, of_first] };
         let (split, (l, r)) = order.into_iter().find_map(|(split, id)| Some((split, self.tree.children(id)?)))?;
@@ -166,13 +173,21 @@ impl Pairs<'_, '_> {
         if !(narrow || apart) {
             return None;
         }
+        let bent = |centre: [f64; 2]| {
+            let [own, other] = [Shape::of(x), Shape::of(y)];
+            let fields = [centre[0], centre[1], own.pace, other.pace, 2.0 * own.weight, 2.0 * other.weight];
+            Node::Bent(fields.map(|x| (x * UNITS) as i64))
+        };
+        let exactly = |centre: [f64; 2]| match decide([x, y], self.tree.frame, self.r, centre)? {
+            Closed::TiltFirst => Some(Node::Side([1, 0])),
+            Closed::TiltSecond => Some(Node::Side([0, 1])),
+            Closed::Bent => Some(bent(centre)),
+            // by halving: the format has no rule for it
+            Closed::Far => None,
+        };
         // between them may lie spans that f64 does not see
         if !apart && a.rad.max(b.rad) <= 8.0 * x.p_err.max(y.p_err) {
-            return match decide([x, y], self.tree.frame, self.r, [0.5; 2])? {
-                Closed::TiltFirst => Some(Node::Side([1, 0])),
-                Closed::TiltSecond => Some(Node::Side([0, 1])),
-                Closed::Bent | Closed::Far => None,
-            };
+            return exactly([0.5; 2]);
         }
         let model = model(self.tree, x, y)?;
         let bend = model.bends(bulge(x) + bulge(y), spread, self.r, self.margin);
@@ -188,25 +203,15 @@ impl Pairs<'_, '_> {
         if !bend {
             return None;
         }
-        let shapes = [Shape::of(x), Shape::of(y)];
-        let ([x0, y0], [own, other]) = (model.centre, shapes);
-        let fields = [x0, y0, own.pace, other.pace, 2.0 * own.weight, 2.0 * other.weight];
-        let written = Node::Bent(fields.map(|x| (x * UNITS) as i64));
         match gap.bent(self.r, model.centre) {
-            Some(true) => return Some(written),
+            Some(true) => return Some(bent(model.centre)),
             Some(false) => return None,
             None => {}
         }
         if x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
             return None;
         }
-        match decide([x, y], self.tree.frame, self.r, model.centre)? {
-            Closed::TiltFirst => Some(Node::Side([1, 0])),
-            Closed::TiltSecond => Some(Node::Side([0, 1])),
-            Closed::Bent => Some(written),
-            // by halving: the format has no rule for it
-            Closed::Far => None,
-        }
+        exactly(model.centre)
     }
 }
 

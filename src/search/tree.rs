@@ -3,7 +3,7 @@
 
 use super::frame::Frame;
 use crate::bernstein::{Form, UNIT, Vec3};
-use crate::integer::{Int, ldexp};
+use crate::integer::Int;
 use crate::spine::Bezier;
 
 pub(crate) type V3 = [f64; 3];
@@ -185,6 +185,17 @@ impl<'a> Tree<'a> {
         (self.nodes.len() - 1) as Id
     }
 
+    /// Is the first of a pair to be split? The larger, but a block of spans before a cell that f64 no longer makes smaller.
+    pub(crate) fn first_is_split(&self, a: Id, b: Id) -> bool {
+        let (a, b) = (self.node(a), self.node(b));
+        let small = |node: &Node| node.cell.as_ref().is_some_and(|cell| node.rad <= 8.0 * cell.p_err);
+        match (a.cell.is_none() && small(b), b.cell.is_none() && small(a)) {
+            (true, _) => true,
+            (_, true) => false,
+            _ => a.rad >= b.rad,
+        }
+    }
+
     /// Do the two arcs share an end point of the parameter domain (the closure counts)?
     pub(crate) fn touching(&self, a: Id, b: Id) -> bool {
         let (a, b) = (self.node(a), self.node(b));
@@ -200,11 +211,13 @@ impl<'a> Tree<'a> {
         self.node(a).cone.with(&self.node(b).cone).within_45_degrees()
     }
 
-    /// The first derivative at a place, numerically.
-    pub(crate) fn velocity(&self, at: &Place) -> V3 {
-        let last = at.segment == self.spans.len();
-        let (segment, t) = if last { (at.segment - 1, 1.0) } else { (at.segment, at.fraction as f64) };
-        self.evaluate(segment, if last { t } else { ldexp(t, -i64::from(MAX_DEPTH)) })[1]
+    /// A tangent vector where a node starts or ends, numerically.
+    pub(crate) fn tangent(&self, mut id: Id, at_end: bool) -> V3 {
+        while let Some((left, right)) = self.node(id).blocks {
+            id = if at_end { right } else { left };
+        }
+        let a = &self.node(id).cell.as_ref().expect("what is no block is a cell").a;
+        a[if at_end { a.len() - 1 } else { 0 }]
     }
 
     /// Point, first and second derivative with respect to the span's parameter: plain f64, no bound (search only).
