@@ -131,7 +131,7 @@ impl Search<'_, '_> {
                     unreachable!("cells")
                 };
                 let bend = model.bends(bulge(x) + bulge(y), spread, self.radius, self.margin);
-                if (bend || model.shares.is_some()) && self.closed_by_forms(x, y, &model, bend) {
+                if (bend || model.shares.is_some()) && self.closed_by_forms(i, j, &model, bend) {
                     return None;
                 }
             }
@@ -215,9 +215,11 @@ impl Search<'_, '_> {
                 && far_along(self.tree, (cs, s), (ct, t));
             if contact || (still.residual < 1e-9 && still.length > 1e-13) {
                 let mut pair = Candidate { s: (cs, s), t: (ct, t), radius: 0.5 * still.length };
-                // only one that is closer than what is known: along circles all are alike
-                let closer = |c: Candidate| pair.radius < c.radius * (1.0 - 0.1 * self.margin);
-                if still.flat() && self.candidate.is_none_or(closer) {
+                // along circles all are alike: only one that is closer than what is known
+                if still.flat() {
+                    if self.candidate.is_some_and(|c| pair.radius >= c.radius * (1.0 - 0.1 * self.margin)) {
+                        break;
+                    }
                     pair = self.slid(&pair, 0.02 + 4.0 * hs);
                 }
                 if pair.radius < POLISHED {
@@ -259,17 +261,24 @@ impl Search<'_, '_> {
 
     /// Rules on Bernstein forms of two variables: together and bent in f64; tilt, bent and ball exactly where f64 cannot
     /// tell.
-    fn closed_by_forms(&self, x: &Cell, y: &Cell, model: &Model, bend: bool) -> bool {
-        let gap = Gap::of(x, y);
-        if model.shares.is_some_and(|shares| gap.together(sides(x, y, shares)) == Some(true))
-            || (bend && gap.bent(self.radius, model.centre) == Some(true))
-        {
-            return true;
+    fn closed_by_forms(&mut self, i: Id, j: Id, model: &Model, bend: bool) -> bool {
+        loop {
+            let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return false };
+            let gap = Gap::of(x, y);
+            if model.shares.is_some_and(|shares| gap.together(sides(x, y, shares)) == Some(true))
+                || (bend && gap.bent(self.radius, model.centre) == Some(true))
+            {
+                return true;
+            }
+            // f64 is at its end where its radius is no longer small against the slack that is asked for
+            if !bend || x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
+                return false;
+            }
+            if !(self.tree.sharpen(i) | self.tree.sharpen(j)) {
+                break;
+            }
         }
-        // f64 is at its end where its radius is no longer small against the slack that is asked for
-        if !bend || x.p_err + y.p_err < 0.02 * self.margin * model.predicted_sq.max(0.0).sqrt() {
-            return false;
-        }
+        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return false };
         decide([x, y], self.tree.frame, self.radius, model.centre).is_some()
     }
 }

@@ -307,7 +307,11 @@ impl<'t, 'f> Search<'t, 'f> {
             return true;
         }
         // so small that splitting says nothing more about the distance
-        if gap > 0.0 && (node.rad < 1e-3 * self.margin * gap || node.rad <= 8.0 * cell.p_err) {
+        let blurred = node.rad <= 8.0 * cell.p_err;
+        if gap > 0.0 && blurred && self.tree.sharpen(id) {
+            return self.closed(id);
+        }
+        if gap > 0.0 && (blurred || self.tree.node(id).rad < 1e-3 * self.margin * gap) {
             self.give_up(id);
             return true;
         }

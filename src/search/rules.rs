@@ -302,7 +302,21 @@ mod tests {
         let p = points.to_vec();
         let a = points.windows(2).map(|p| sub(&p[1], &p[0])).collect();
         let (r, w) = (p.clone(), vec![]);
-        Cell { segment: 0, depth: 0, index: 0, r, r_err: 0.0, w, w_err: 0.0, a, a_err: 0.0, p, p_err: 0.0, even: true }
+        Cell {
+            segment: 0,
+            depth: 0,
+            index: 0,
+            r,
+            r_err: 0.0,
+            w,
+            w_err: 0.0,
+            a,
+            a_err: 0.0,
+            p,
+            p_err: 0.0,
+            even: true,
+            sharp: false,
+        }
     }
 
     /// An arc that turns back: (p - q).a is below 0 for its first hodograph vector and above 0 for its second, and

@@ -85,6 +85,8 @@ pub(crate) struct Cell {
     pub(crate) p_err: f64,
     /// Weights of like size (search only).
     pub(crate) even: bool,
+    /// Straight from the exact arc.
+    pub(crate) sharp: bool,
 }
 
 pub(crate) struct Tree<'a> {
@@ -165,6 +167,17 @@ impl<'a> Tree<'a> {
             }
         }
         extent
+    }
+
+    /// Takes a cell from its exact arc, without the errors of those that it was halved from; false if it is so already.
+    pub(crate) fn sharpen(&mut self, id: Id) -> bool {
+        let node = &mut self.nodes[id as usize];
+        let Some(cell) = node.cell.as_mut().filter(|cell| !cell.sharp) else { return false };
+        cell.reload(self.frame);
+        cell.project();
+        (node.mid, node.rad) = cell.ball();
+        node.cone = cell.cone();
+        true
     }
 
     fn push_cell(&mut self, mut cell: Cell) -> Id {
@@ -318,6 +331,7 @@ fn span_cell(frame: &Frame, segment: usize) -> Cell {
         a_err: 0.0,
         p: vec![],
         p_err: 0.0,
+        sharp: false,
         even: true,
     };
     cell.reload(frame);
@@ -327,6 +341,7 @@ fn span_cell(frame: &Frame, segment: usize) -> Cell {
 impl Cell {
     /// Fills r, w and a from the exact arc: every entry within UNIT of the largest of its kind.
     fn reload(&mut self, frame: &Frame) {
+        self.sharp = true;
         let whole = &frame.segments[self.segment];
         let arc;
         let bezier = if self.depth == 0 {
@@ -450,6 +465,7 @@ impl Cell {
             p: vec![],
             p_err: 0.0,
             even: true,
+            sharp: false,
         };
         (make(2 * self.index, r0, w0, a0), make(2 * self.index + 1, r1, w1, a1))
     }
