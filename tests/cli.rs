@@ -487,6 +487,7 @@ fn a_claim_is_verified_as_it_is_printed() {
         (printed.replace("\"delta\"", "\"gamma\""), json!("delta.lo")),
         ("{".to_string(), Value::Null),
         ("[]".to_string(), json!("command")),
+        (printed.replace("\"schema\":1", "\"schema\":2"), json!("schema")),
         (printed.replacen('{', "{\"\\u0063ommand\":\"radius\",", 1), json!("command")),
         (printed.replace("\"lo\":", "\"hi\":0,\"lo\":"), json!("delta.lo")),
         (printed.replace("\"delta\":{\"lo\":", "\"delta\":{\"lo\":\"1\",\"low\":"), json!("delta.lo")),
@@ -494,6 +495,15 @@ fn a_claim_is_verified_as_it_is_printed() {
         let value: Value = serde_json::from_str(answer(&with(&text, &["--json"]), 2)).unwrap();
         assert_eq!((&value["error"]["key"], &value["error"]["file"]), (&key, &"-".into()), "{value}");
     }
+}
+
+#[test]
+fn verifying_ends_with_its_budget() {
+    let said = run(&["verify", CURVE, CERTIFICATE, "--budget", "1e-9", "--json"]);
+    let value: Value = serde_json::from_str(answer(&said, 3)).unwrap();
+    assert_eq!(value["verdict"], "undecided");
+    assert!(answer(&run(&["verify", CURVE, CERTIFICATE, "--budget", "1e-9"]), 3).starts_with("undecided: delta = "));
+    assert!(answer(&run(&["verify", CURVE, CERTIFICATE, "--budget", "1e6"]), 0).starts_with("verified: delta = "));
 }
 
 #[test]

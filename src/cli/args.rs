@@ -1,7 +1,6 @@
 //! What may be typed. A command or flag that does not work yet does not stand here.
 
 use std::path::PathBuf;
-#[cfg(feature = "search")]
 use std::time::Duration;
 
 use clap::{Parser, Subcommand};
@@ -48,6 +47,9 @@ pub struct VerifyArgs {
     /// Print the verdict as JSON; a failure too
     #[arg(long)]
     pub json: bool,
+    /// Stop after so many seconds without a verdict
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub budget: Option<Duration>,
 }
 
 #[cfg(feature = "search")]
@@ -61,7 +63,7 @@ pub struct RadiusArgs {
     /// The asked relative width, between 0 and 1: hi - lo <= W hi
     #[arg(long, value_name = "W", default_value = "1e-9", value_parser = rel_width, allow_negative_numbers = true)]
     pub rel_width: f64,
-    /// Enclose every term, also those that cannot bind, and the rim terms
+    /// Enclose every term, also those that cannot bind, and the rim terms; can take much longer
     #[arg(long)]
     pub all_terms: bool,
     /// Write the evidence to FILE, after replaying it; `tubecert verify` checks it
@@ -81,7 +83,6 @@ fn rel_width(text: &str) -> Result<f64, String> {
     width.ok_or_else(|| "a number between 0 and 1 is wanted, for instance 1e-9".to_string())
 }
 
-#[cfg(feature = "search")]
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0);
     let limit = seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());

@@ -23,7 +23,6 @@ use args::{Args, Command};
 const DONE: u8 = 0;
 const REJECTED: u8 = 1;
 const UNUSABLE: u8 = 2;
-#[cfg(feature = "search")]
 const UNDECIDED: u8 = 3;
 const NO_CLAIM: u8 = 4;
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::time::Duration;
 
 use serde::Serialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
@@ -14,7 +15,7 @@ use tubecert::{Curve, ErrorKind};
 
 use super::args::VerifyArgs;
 use super::text::plain;
-use super::{DONE, Failure, REJECTED, Said, UNUSABLE, json, read};
+use super::{DONE, Failure, REJECTED, Said, UNDECIDED, UNUSABLE, json, read};
 
 pub fn run(args: &VerifyArgs) -> Said {
     let load = |path: &std::path::Path| {
@@ -36,9 +37,35 @@ pub fn run(args: &VerifyArgs) -> Said {
             })?
         }
     };
-    let verdict = verify(&claim, &certificate);
-    let code = if verdict.is_ok() { DONE } else { REJECTED };
+    let verdict = within(args.budget, &claim, certificate);
+    let code = match &verdict {
+        Verdict::Verified(_) => DONE,
+        Verdict::Rejected(_) => REJECTED,
+        Verdict::Undecided(_) => UNDECIDED,
+    };
     Ok((if args.json { as_json(&claim, &verdict) } else { as_text(&claim, &verdict) }, code))
+}
+
+enum Verdict {
+    Verified(Verified),
+    Rejected(Rejection),
+    /// After so long.
+    Undecided(Duration),
+}
+
+/// The verdict, or none if it takes longer.
+fn within(budget: Option<Duration>, claim: &Claim, certificate: Certificate) -> Verdict {
+    let (claim, (sender, receiver)) = (claim.clone(), std::sync::mpsc::channel());
+    // ends with the process
+    std::thread::spawn(move || {
+        let _ = sender.send(verify(&claim, &certificate));
+    });
+    let limit = budget.unwrap_or(Duration::MAX);
+    match receiver.recv_timeout(limit) {
+        Ok(Ok(verified)) => Verdict::Verified(verified),
+        Ok(Err(rejection)) => Verdict::Rejected(rejection),
+        Err(_) => Verdict::Undecided(limit),
+    }
 }
 
 /// What is wrong with an answer, and at which key.
@@ -64,6 +91,9 @@ fn answered(bytes: &[u8], curve: Curve) -> Result<Claim, Wrong> {
     }
     if string(root, "curve.digest")? != Some(curve.digest()) {
         return Err(wrong("curve.digest", "the answer is about another curve"));
+    }
+    if member(root, "schema")? != "1" {
+        return Err(wrong("schema", "this version reads answers of schema 1"));
     }
     let bound = |key| match member(root, key)? {
         "null" => Ok(None),
@@ -137,7 +167,7 @@ fn bound(x: Option<&Rational>) -> Option<Bound> {
 }
 
 #[derive(Serialize)]
-struct Verdict {
+struct VerdictData {
     verdict: &'static str,
     claim: ClaimData,
     reason: Option<String>,
@@ -151,30 +181,40 @@ struct ClaimData {
     hi: Option<Bound>,
 }
 
-fn as_json(claim: &Claim, verdict: &Result<Verified, Rejection>) -> String {
-    let data = Verdict {
-        verdict: if verdict.is_ok() { "verified" } else { "rejected" },
+fn as_json(claim: &Claim, verdict: &Verdict) -> String {
+    let (word, reason) = match verdict {
+        Verdict::Verified(_) => ("verified", None),
+        Verdict::Rejected(rejection) => ("rejected", Some(rejection.to_string())),
+        Verdict::Undecided(limit) => ("undecided", Some(too_long(*limit))),
+    };
+    let data = VerdictData {
+        verdict: word,
         claim: ClaimData {
             kind: "radius",
             curve_digest: claim.curve.digest(),
             lo: bound(claim.lo.as_ref()),
             hi: bound(claim.hi.as_ref()),
         },
-        reason: verdict.as_ref().err().map(ToString::to_string),
+        reason,
     };
     json::answer("verify", &claim.curve, data)
 }
 
-fn as_text(claim: &Claim, verdict: &Result<Verified, Rejection>) -> String {
+fn too_long(limit: Duration) -> String {
+    format!("it takes more than {} seconds; raise --budget", limit.as_secs_f64())
+}
+
+fn as_text(claim: &Claim, verdict: &Verdict) -> String {
     let number = |x: &Option<Rational>| x.as_ref().map_or("infinity".to_string(), text);
     let unit = claim.curve.unit().map_or("file units".to_string(), plain);
     let delta = format!("delta = {} .. {}        ({unit})\n", number(&claim.lo), number(&claim.hi));
     match verdict {
-        Err(rejection) => format!(
+        Verdict::Rejected(rejection) => format!(
             "rejected: {delta}the certificate does not prove this: {rejection}\n\
              this says nothing about whether it is true\n"
         ),
-        Ok(verified) => {
+        Verdict::Undecided(limit) => format!("undecided: {delta}{}\n", too_long(*limit)),
+        Verdict::Verified(verified) => {
             let leaves: Vec<String> = verified.leaves().iter().map(|(rule, count)| format!("{count} {rule}")).collect();
             format!(
                 "verified: {delta}{}\nevidence: {}, all of it evaluated in integers\n",

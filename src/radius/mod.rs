@@ -381,7 +381,14 @@ impl<'a> Job<'a> {
             return None;
         }
         match of {
-            Of::Disks => self.exact.disks(contact).map(|w| w.radius),
+            Of::Disks => {
+                // where the planes are parallel at an irrational t alone, a valley: all of it is as far along the spine
+                let valley = self.exact.end_valley(contact).filter(|valley| {
+                    let near = valley.valley_end(self.frame, contact.finish);
+                    near.is_some_and(|near| self.exact.not_local(&end, &near))
+                });
+                self.exact.disks(contact).into_iter().chain(valley).map(|w| w.radius).min_by(f64::total_cmp)
+            }
             Of::Rims => self.exact.planar_rims(contact).or_else(|| Some(self.exact.meeting(&end, &at, Of::Rims)?.1)),
         }
     }
@@ -393,7 +400,9 @@ impl<'a> Job<'a> {
             return self.enclosure(0.0, upper.witness.radius).hi;
         }
         let above = self.exact.critical_box(pair).or_else(|| {
-            let mut members = std::iter::once(*pair).chain(newton::snapped(&self.tree, pair));
+            // of a family of pairs, one at simple parameters: the ends of two strands among them
+            let ends = Candidate { s: (0, 0.0), t: (self.frame.segments.len() - 1, 1.0), radius: pair.radius };
+            let mut members = std::iter::once(*pair).chain(newton::snapped(&self.tree, pair)).chain([ends]);
             members.find_map(|pair| self.exact.exactly_critical(&pair))
         });
         self.enclosure(0.0, above.unwrap_or(f64::INFINITY)).hi

@@ -120,6 +120,12 @@ pub(crate) struct Witness {
 }
 
 impl Witness {
+    /// The end of the valley round t that is nearer to the start, or to the finish, of the spine.
+    pub(crate) fn valley_end(&self, frame: &Frame, finish: bool) -> Option<At> {
+        let eta = self.valleys[1].as_ref()?;
+        frame.step(&self.t, &if finish { eta.clone() } else { Dyadic::ZERO.sub(eta) })
+    }
+
     /// As docs/certificate-format.md has it.
     pub(crate) fn upper(&self, frame: &Frame) -> Upper {
         let (Some(s), Some(x)) = (&self.s, &self.x) else {

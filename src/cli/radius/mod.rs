@@ -48,7 +48,8 @@ pub fn run(args: &RadiusArgs) -> Said {
     if let Some(path) = &args.certificate {
         let curve = spine.curve().clone();
         replayed(&answer, curve).and_then(|text| written(path, &text)).map_err(|message| {
-            let help = Some("nothing is claimed: report this curve, or run without --certificate".to_string());
+            let width = format!("raise --rel-width (now {:e}), wider bounds need less", args.rel_width);
+            let help = Some(format!("nothing is claimed: {width}; or run without --certificate"));
             let file = Some(path.display().to_string());
             Box::new(Failure { file, help, ..Failure::new(ErrorKind::Certificate.word(), message, NO_CLAIM) })
         })?;
@@ -60,7 +61,7 @@ pub fn run(args: &RadiusArgs) -> Said {
 
 /// The text of the certificate, once the checker has verified exactly what will be printed.
 fn replayed(answer: &Radius, curve: Curve) -> Result<String, String> {
-    let certificate = answer.certificate.as_ref().ok_or("the answer has no certificate of version 1")?;
+    let certificate = answer.certificate.as_ref().ok_or("the evidence is too long to be written")?;
     let text = certificate.encode();
     let bound = |text: String| parse_rational(&text).ok();
     let (lo, hi) = (bound(lower_text(answer.delta.lo)), bound(upper_text(answer.delta.hi)));
