@@ -46,6 +46,7 @@ pub fn run(args: &VerifyArgs) -> Said {
     Ok((if args.json { as_json(&claim, &verdict) } else { as_text(&claim, &verdict) }, code))
 }
 
+#[allow(clippy::large_enum_variant, reason = "there is one")]
 enum Verdict {
     Verified(Verified),
     Rejected(Rejection),

@@ -6,10 +6,11 @@ use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
 use crate::certificate::{Foot, Upper};
-use crate::integer::{Int, exact_div, gcd};
-use crate::number::{Rational, compare};
+use crate::integer::{Int, exact_div, gcd, lcm};
+use crate::number::{Rational, compare, same};
 use crate::spine::Bezier;
 use num_bigint::BigInt;
+use num_traits::ToPrimitive;
 use std::cmp::Ordering;
 
 /// A proved self-contact: each parameter lies between two, the point in the hull of `points`.
@@ -127,32 +128,38 @@ impl Exact<'_> {
     /// direction and changes its side. The second arc runs back, or as the first.
     fn mirrored(&mut self, pair: &Candidate) -> Option<([Strand; 2], Upper)> {
         let (low, high) = if pair.s <= pair.t { (pair.s, pair.t) } else { (pair.t, pair.s) };
-        let s = truncated(&Dyadic::from_f64(low.1), 60);
-        for (back, t) in [(true, Dyadic::ONE.sub(&s)), (false, s.clone())] {
-            let expected = if back { 1.0 - low.1 } else { low.1 };
-            if (high.1 - expected).abs() > 1e-6 {
-                continue;
-            }
-            let centre = [At { segment: low.0, t: s.clone() }, At { segment: high.0, t: t.clone() }];
-            let widths = [44, 34, 28].into_iter();
-            let found = widths.filter_map(|j| self.boxed(&centre, j)).find_map(|[x, y]| {
-                let arc = |strand: &Strand, back: bool| {
-                    let [from, to] = strand.ends.each_ref().map(|at| at.t.clone());
-                    let (from, to) = if back { (to, from) } else { (from, to) };
-                    (strand.arcs.len() == 1).then_some((strand.ends[0].segment, from, to))
-                };
-                let arcs = [arc(&x, false)?, arc(&y, back)?];
-                let [image, other] = arcs.each_ref().map(|(k, from, to)| self.frame.segments[*k].arc(from, to));
-                let normal = through_mirror(&image, &other)?.map(|x| Rational::from(x.big()));
-                let place = |span: usize, t: &Dyadic| Rational::from(BigInt::from(span)) + t.rational();
-                let arcs = arcs.map(|(span, from, to)| [place(span, &from), place(span, &to)]);
-                Some(([x, y], Upper::Mirror { arcs, normal }))
-            });
-            if found.is_some() {
-                return found;
-            }
-        }
-        None
+        let (s, maps) = (truncated(&Dyadic::from_f64(low.1), 60), symmetries(self.frame, low, high));
+        let arcs = maps.iter().flat_map(|map| [44, 34, 28].map(|j| (map, s.sub(&step(j)), s.add(&step(j)))));
+        let inside = arcs.filter(|(_, from, to)| from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le());
+        inside.filter_map(|(map, from, to)| self.mirror(map, low.0, [from, to], high.0)).next()
+    }
+
+    /// The arc of one span, and its image in another, which is to be apart from it.
+    fn mirror(&self, map: &Symmetry, k: usize, arc: [Dyadic; 2], l: usize) -> Option<([Strand; 2], Upper)> {
+        let Frame { segments, knots, closed, .. } = self.frame;
+        let place = |k: usize, t: &Rational| Rational::from(BigInt::from(k)) + t;
+        let image = arc.each_ref().map(|t| {
+            let at = self.frame.parameter(&At { segment: k, t: t.clone() });
+            let at = if map.back { &map.shift - at } else { &map.shift + at };
+            (at - &knots[l]) / (&knots[l + 1] - &knots[l])
+        });
+        let (first, second) = (arc.each_ref().map(|t| place(k, &t.rational())), image.each_ref().map(|t| place(l, t)));
+        let [start, end] = if map.back { [1, 0] } else { [0, 1] };
+        let (zero, one) = (Rational::from(BigInt::from(0)), Rational::from(BigInt::from(1)));
+        let within = compare(&zero, &image[start]).is_le() && compare(&image[end], &one).is_le();
+        let around = !closed || compare(&second[end], &place(segments.len(), &first[0])).is_lt();
+        (within && around && compare(&first[1], &second[start]).is_lt()).then_some(())?;
+        let common = lcm(image[0].denom(), image[1].denom());
+        let [u, v] = image.each_ref().map(|t| Int::from(t.numer() * (&common / t.denom())));
+        let other = segments[l].between(&u, &v, &Int::from(common));
+        let normal = through_mirror(&segments[k].arc(&arc[0], &arc[1]), &other)?.map(|x| Rational::from(x.big()));
+        // the image between dyadic numbers
+        let unit = BigInt::from(1) << 80_u8;
+        let dyadic = |m: BigInt| Dyadic { m: Int::from(m), e: -80 };
+        let below = dyadic((&image[start] * &unit).floor().to_integer());
+        let above = dyadic((&image[end] * &unit).ceil().to_integer());
+        let strands = [strand(self.frame, k, &arc[0], &arc[1])?, strand(self.frame, l, &below, &above)?];
+        Some((strands, Upper::Mirror { arcs: [first, second], normal }))
     }
 
     /// A planar spine that crosses itself near the candidate: D = 0 in a box, by Miranda.
@@ -211,6 +218,39 @@ fn crossing(frame: &Frame, strands: [&Strand; 2], normal: [Rational; 3], rows: [
     } else {
         Upper::Crossing { arcs: [t, s], normal, first: second, second: first }
     }
+}
+
+/// A map of the parameter that takes knots to knots: to `shift` minus the parameter if it runs back, else plus.
+struct Symmetry {
+    back: bool,
+    shift: Rational,
+}
+
+/// The symmetries that take one place near to the other, as f64 sees it.
+fn symmetries(frame: &Frame, low: (usize, f64), high: (usize, f64)) -> Vec<Symmetry> {
+    const NEAR: f64 = 1e-9;
+    const MOST: usize = 4;
+    let period = &frame.knots[frame.segments.len()] - &frame.knots[0];
+    let scaled = |x: &Rational| ((x - &frame.knots[0]) / &period).to_f64().unwrap_or(f64::NAN);
+    let knots: Vec<f64> = frame.knots.iter().map(scaled).collect();
+    let place = |(k, t): (usize, f64)| knots[k] + t * (knots[k + 1] - knots[k]);
+    let (s, t) = (place(low), place(high));
+    let mut found: Vec<Symmetry> = vec![];
+    for (back, (knot, x)) in
+        [true, false].into_iter().flat_map(|back| frame.knots.iter().zip(&knots).map(move |k| (back, k)))
+    {
+        let image = if back { s + t - x } else { t - s + x };
+        let turns = if frame.closed { image.floor() } else { 0.0 };
+        let j = knots.partition_point(|k| *k < image - turns - NEAR);
+        if knots.get(j).is_some_and(|k| (k - (image - turns)).abs() < NEAR) {
+            let image = &frame.knots[j] + &period * BigInt::from(turns as i64);
+            let shift = if back { image + knot } else { image - knot };
+            if found.len() < MOST && !found.iter().any(|map| map.back == back && same(&map.shift, &shift)) {
+                found.push(Symmetry { back, shift });
+            }
+        }
+    }
+    found
 }
 
 /// The direction of D = r w' - r' w of two arcs at equal parameters, if it is one all along and D changes its side.

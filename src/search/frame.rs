@@ -140,23 +140,26 @@ impl Bezier {
 
     /// The arc over [from, to] of the local parameter, exactly.
     pub(crate) fn arc(&self, from: &Dyadic, to: &Dyadic) -> Self {
-        // Over the common denominator 2^k: the blossom needs both ends as integers m and the complement 2^k - m.
+        // over the common denominator 2^k
         let (from, to) = (from.sub(&Dyadic::ZERO), to.sub(&Dyadic::ZERO));
         let (a, b, e) = Dyadic::aligned(&from, &to);
-        let k = (-e) as u64;
-        let one = &Int::ONE << k;
+        self.between(&a, &b, &(&Int::ONE << (-e) as u64))
+    }
+
+    /// The arc over [a, b] / one of the local parameter, exactly: the blossom needs both ends and their complements.
+    pub(crate) fn between(&self, a: &Int, b: &Int, one: &Int) -> Self {
         let n = self.degree();
         let part = |c: &Vec<Int>| -> Vec<Int> {
             if c.len() == 1 && n > 0 {
-                return vec![&c[0] << (n as u64 * k)];
+                return vec![(0..n).fold(c[0].clone(), |c, _| &c * one)];
             }
             // Left part to b, then right part from a: blossoms (a^{n-j}, b^j) by de Casteljau rows.
             (0..=n)
                 .map(|j| {
                     let mut row = c.clone();
                     for level in 1..=n {
-                        let m = if level > n - j { &b } else { &a };
-                        let rest = &one - m;
+                        let m = if level > n - j { b } else { a };
+                        let rest = one - m;
                         for i in 0..=n - level {
                             row[i] = &(&row[i] * &rest) + &(&row[i + 1] * m);
                         }
