@@ -384,8 +384,11 @@ impl<'t, 'f> Search<'t, 'f> {
             let end = self.exact.end(self.end.finish);
             radius = self.exact.meeting(&end, &At::near((segment, t)), self.of).map_or(radius, |(_, hi)| hi);
         }
-        if radius * (1.0 - self.margin) < self.radius {
-            self.radius = radius * (1.0 - self.margin);
+        // as far as f64 places it: rho may have a kink there
+        let [_, velocity, _] = self.tree.evaluate(segment, t);
+        let margin = self.margin.max(4.0 * f64::EPSILON * norm(&velocity) / radius).min(1.0);
+        if radius * (1.0 - margin) < self.radius {
+            self.radius = radius * (1.0 - margin);
             self.contact = Some(Contact { finish: self.end.finish, t: (segment, t), radius });
         }
     }
