@@ -285,6 +285,33 @@ fn complex_clusters() {
     assert_eq!(disks(&p).len(), 6);
 }
 
+/// Polynomials whose derivative has a content, and pairs far smaller than all else beside real roots alone.
+#[test]
+fn refinement_of_complex_roots_ends() {
+    let length = power(2, -300);
+    let binomial =
+        |n: usize, c: Rational| (0..=n).map(|k| if k == 0 { c.clone() } else { int(i64::from(k == n)) }).collect();
+    let mut all: Vec<Poly> = vec![vec![int(6), int(0), int(4), int(0), int(1)]];
+    all.extend([2, 3, 7].map(|n| binomial(n, int(-2))));
+    let close = product([binomial(2, int(-2)), binomial(2, int(-2)), binomial(2, int(-2) - power(10, -12))]);
+    all.extend([close, times(&[int(-1), int(1)], &binomial(2, power(10, -36)))]);
+    for e in [-70, -140, -2000] {
+        all.push(times(&binomial(2, int(-1)), &binomial(2, power(2, e))));
+    }
+    for p in all {
+        for mut root in disks(&p) {
+            root.refine(&int(0));
+            root.refine(&length);
+            assert!(root.radius() <= length);
+        }
+        for mut root in real_roots(&p).unwrap() {
+            root.refine(&int(-1));
+            root.refine(&length);
+            assert!(root.hi() - root.lo() <= length);
+        }
+    }
+}
+
 fn power(base: i64, e: i32) -> Rational {
     int(base).pow(e)
 }

@@ -109,7 +109,9 @@ fn strands(spine: &Spine, [s, t]: &[[Rational; 2]; 2]) -> Result<[Arc; 2], Why> 
     let strand = |arc: &[Rational; 2]| {
         let ([low, high], [from, _]) = (ordered(arc), arc);
         let back = compare(low, from).is_lt();
-        let whole = |x: Rational| x.to_integer().to_usize().ok_or("a position is out of range");
+        let turns = BigInt::from(spine.spans.len() * if spine.closed { 2 } else { 1 });
+        check(within(low, &Rational::zero(), high) && within(high, low, &turns.into()), "a position is out of range")?;
+        let whole = |x: Rational| x.to_integer().to_usize().ok_or(NO_SPAN);
         let (first, end) = (whole(low.floor())?, whole(high.ceil())?);
         let part = |k: usize| {
             let from = if k == first { low - BigInt::from(k) } else { Rational::zero() };
@@ -118,7 +120,8 @@ fn strands(spine: &Spine, [s, t]: &[[Rational; 2]; 2]) -> Result<[Arc; 2], Why> 
             let part = if back { span.part(&to, &from) } else { span.part(&from, &to) };
             check(part.w.is_positive(), "a control weight is not positive").map(|()| part)
         };
-        (first..end).map(|k| part(if back { first + end - 1 - k } else { k })).collect::<Result<Arc, Why>>()
+        let parts = (first..end).map(part).collect::<Result<Vec<_>, Why>>()?;
+        Ok::<Arc, Why>(if back { parts.into_iter().rev().collect() } else { parts.into() })
     };
     Ok([strand(s)?, strand(t)?])
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use serde::Serialize;
@@ -54,18 +55,21 @@ enum Verdict {
     Undecided(Duration),
 }
 
-/// The verdict, or none if it takes longer.
 fn within(budget: Option<Duration>, claim: &Claim, certificate: Certificate) -> Verdict {
-    let (claim, (sender, receiver)) = (claim.clone(), std::sync::mpsc::channel());
-    // ends with the process
-    std::thread::spawn(move || {
-        let _ = sender.send(verify(&claim, &certificate));
+    let (owned, (sender, receiver)) = (claim.clone(), std::sync::mpsc::channel());
+    let replay = std::thread::spawn(move || {
+        let _ = sender.send(verify(&owned, &certificate));
     });
     let limit = budget.unwrap_or(Duration::MAX);
     match receiver.recv_timeout(limit) {
         Ok(Ok(verified)) => Verdict::Verified(verified),
         Ok(Err(rejection)) => Verdict::Rejected(rejection),
-        Err(_) => Verdict::Undecided(limit),
+        // the thread ends with the process
+        Err(RecvTimeoutError::Timeout) => Verdict::Undecided(limit),
+        Err(RecvTimeoutError::Disconnected) => match replay.join() {
+            Err(panic) => std::panic::resume_unwind(panic),
+            Ok(()) => unreachable!("it sends a verdict"),
+        },
     }
 }
 

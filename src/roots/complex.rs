@@ -108,8 +108,11 @@ impl ComplexRoot {
         dyadic(&self.radius, self.depth)
     }
 
-    /// Narrows the disk to at most this radius (> 0): Newton's method, each disk proved to lie in the one before.
+    /// Narrows the disk to at most this radius, if that is > 0: Newton's method, each disk proved to lie in the one before.
     pub fn refine(&mut self, radius: &Rational) {
+        if !radius.is_positive() {
+            return;
+        }
         let slope = derivative(&self.factor);
         let mut bits = 8;
         while compare(&self.radius(), radius).is_gt() {
@@ -199,18 +202,15 @@ fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize) -> Vec<ComplexRoot> {
     let p: Vec<Int> = factor.iter().enumerate().map(|(k, c)| c << shift(k)).collect();
     let size = p.iter().map(Int::bits).max().unwrap_or(0) as i64;
     let near: Vec<Complex64> = p.iter().map(|c| Complex64 { re: c.to_f64_shifted(size), im: 0.0 }).collect();
-    let mut coarse = starts(&p);
+    let starts = starts(&p);
+    let mut coarse: Vec<Complex64> = starts.iter().map(|(z, e)| z.scaled(*e)).collect();
     aberth(&near, &mut coarse, -48);
-    let fixed = |x: f64, bits: u64| BigInt::from((x * 2f64.powi(60)) as i128) << bits >> 60_u8;
     let mut found: Vec<Fixed> = vec![];
-    let mut bits = 32;
+    let (mut bits, mut lost) = (32, false);
     loop {
         bits *= 2;
-        if found.is_empty() {
-            found = coarse
-                .iter()
-                .map(|z| Fixed { z: Gauss { re: fixed(z.re, bits), im: fixed(z.im, bits) }, bits })
-                .collect();
+        if bits == 64 {
+            found = coarse.iter().map(|z| z.fixed(0, bits)).collect();
         } else {
             let near: Vec<Fixed> = p
                 .iter()
@@ -219,13 +219,20 @@ fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize) -> Vec<ComplexRoot> {
                     Fixed { z: Gauss { re, im: BigInt::zero() }, bits }
                 })
                 .collect();
-            found = found.iter().map(|x| Fixed { z: x.z.shifted(bits - x.bits), bits }).collect();
+            found = if lost {
+                starts.iter().map(|(z, e)| z.fixed(*e, bits)).collect()
+            } else {
+                found.iter().map(|x| Fixed { z: x.z.shifted(bits - x.bits), bits }).collect()
+            };
             aberth(&near, &mut found, 8 - bits as i64);
         }
         let depth = bits.saturating_add_signed(-scale);
         let place = |x: &Fixed| x.z.shifted((scale.max(0) as u64).saturating_sub(bits));
         let centres: Vec<Gauss> = found.iter().map(place).collect();
-        let Some(centres) = symmetric(centres, real) else { continue };
+        let centres = symmetric(centres, real);
+        // iterates that were rounded to the real axis never leave it
+        lost = centres.is_none();
+        let Some(centres) = centres else { continue };
         let root = |centre: Gauss| {
             let radius = disk(factor, &slope, &centre, depth)?;
             Some(ComplexRoot { multiplicity, factor: factor.clone(), centre, radius, depth })
@@ -290,8 +297,8 @@ fn aberth<N: Number>(p: &[N], z: &mut [N], goal: i64) {
     }
 }
 
-/// On circles whose radii the Newton polygon of the coefficients gives.
-fn starts(p: &[Int]) -> Vec<Complex64> {
+/// On circles whose radii the Newton polygon of the coefficients gives; with powers of two apart, as f64 ends at 2^-1074.
+fn starts(p: &[Int]) -> Vec<(Complex64, i64)> {
     let logarithm = |c: &Int| {
         let bits = c.bits() as i64;
         bits as f64 + 2.0 * c.abs().to_f64_shifted(bits) - 2.0
@@ -311,13 +318,12 @@ fn starts(p: &[Int]) -> Vec<Complex64> {
     let mut direction = Complex64 { re: 0.8, im: 0.6 };
     let edges = hull.windows(2).flat_map(|edge| {
         let exponent = (edge[0].1 - edge[1].1) / (edge[1].0 - edge[0].0) as f64;
-        let radius = ldexp(1.0 + exponent - exponent.floor(), exponent.floor() as i64);
-        vec![radius; edge[1].0 - edge[0].0]
+        vec![(1.0 + exponent - exponent.floor(), exponent.floor() as i64); edge[1].0 - edge[0].0]
     });
     edges
-        .map(|radius| {
+        .map(|(radius, exponent)| {
             direction = direction.times(&turn);
-            Complex64 { re: radius * direction.re, im: radius * direction.im }
+            (Complex64 { re: radius * direction.re, im: radius * direction.im }, exponent)
         })
         .collect()
 }
@@ -326,6 +332,22 @@ fn starts(p: &[Int]) -> Vec<Complex64> {
 struct Complex64 {
     re: f64,
     im: f64,
+}
+
+impl Complex64 {
+    fn scaled(self, exponent: i64) -> Self {
+        Self { re: ldexp(self.re, exponent), im: ldexp(self.im, exponent) }
+    }
+
+    /// Times 2^exponent; for parts below 2^60.
+    fn fixed(self, exponent: i64, bits: u64) -> Fixed {
+        let shift = bits as i64 + exponent - 60;
+        let part = |x: f64| {
+            let x = BigInt::from(ldexp(x, 60) as i128);
+            if shift < 0 { x >> shift.unsigned_abs() } else { x << shift.unsigned_abs() }
+        };
+        Fixed { z: Gauss { re: part(self.re), im: part(self.im) }, bits }
+    }
 }
 
 impl Number for Complex64 {

@@ -74,12 +74,13 @@ fn pseudo_remainder(mut a: Vec<Int>, b: &[Int]) -> Vec<Int> {
 
 /// The product of the square-free factors.
 pub(super) fn squarefree(p: &[Int]) -> Vec<Int> {
-    let slope = derivative(p);
+    let slope = trimmed(derivative(p));
     if slope.is_empty() { p.to_vec() } else { quotient(p, &poly_gcd(p.to_vec(), slope)) }
 }
 
+/// Not made primitive: Newton's method needs it as it is.
 pub(super) fn derivative(p: &[Int]) -> Vec<Int> {
-    trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * &Int::from(k as i64)).collect())
+    p.iter().enumerate().skip(1).map(|(k, c)| c * &Int::from(k as i64)).collect()
 }
 
 /// The primitive quotient p / d, where d divides p.
@@ -104,7 +105,7 @@ fn quotient(p: &[Int], d: &[Int]) -> Vec<Int> {
 /// Square-free factors of a primitive p of degree 1 or more, pairwise coprime, with their multiplicities: p is the
 /// product of their powers, up to a constant.
 pub(super) fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
-    let slope = derivative(p);
+    let slope = trimmed(derivative(p));
     if coprime_modulo_a_prime(p, &slope) {
         return vec![(p.to_vec(), 1)];
     }

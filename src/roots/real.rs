@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use num_bigint::BigInt;
 use num_integer::Integer;
-use num_traits::{One, Zero};
+use num_traits::{One, Signed, Zero};
 
 use super::common::halves;
 use super::power::{square_free_factors, to_bernstein, trimmed};
@@ -94,9 +94,12 @@ impl RealRoot {
         Rational::new(&self.start + &self.length, BigInt::one() << self.depth)
     }
 
-    /// Narrows the interval to at most this length (> 0), by quadratic interval refinement: each time the place is
+    /// Narrows the interval to at most this length, if that is > 0, by quadratic interval refinement: each time the place is
     /// foreseen by a chord, and a smaller interval is taken where its two signs prove it right.
     pub fn refine(&mut self, length: &Rational) {
+        if !length.is_positive() {
+            return;
+        }
         let mut bits = 2;
         let narrow =
             |root: &Self| compare(&Rational::new(root.length.clone(), BigInt::one() << root.depth), length).is_le();

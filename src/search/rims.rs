@@ -100,6 +100,11 @@ impl Exact<'_> {
                 break;
             }
         }
+        // the contact is anywhere between
+        let nearer = At { segment, t: if contact.finish { to.clone() } else { from.clone() } };
+        if !self.not_local(&e, &nearer) {
+            return None;
+        }
         let (line, den) = self.disk_pair(&e, &At { segment, t: from.clone() }).line_sq();
         let near = ratio(&line, &den).sqrt();
         let arc = self.frame.segments[segment].arc(&from, &to);

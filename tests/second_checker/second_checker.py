@@ -432,7 +432,8 @@ def check_foot(line, x, spine, hi):
 def strands(S0, S1, T0, T1, spine):
     """Of crossing and mirror: two tuples of pieces."""
     (first, last), (first2, last2) = sorted((S0, S1)), sorted((T0, T1))
-    need(0 <= first and last < first2 and (not spine.closed or last2 < first + spine.n), "crossing, mirror: not apart")
+    need(0 <= first and last2 <= spine.n * (2 if spine.closed else 1), "crossing, mirror: a position outside its range")
+    need(last < first2 and (not spine.closed or last2 < first + spine.n), "crossing, mirror: not apart")
     def part(k, start, end):
         need(spine.closed or k < spine.n, "crossing, mirror: beyond the end")
         span = spine.spans[k % spine.n]
