@@ -312,6 +312,18 @@ fn quarter_circles_have_no_end_terms() {
     assert!(answer.complete);
 }
 
+/// Most of the unit circle in two arcs: what is across from a simple parameter is a fraction of many digits.
+#[test]
+fn body_term_of_a_long_arc() {
+    let arc = r#"{"degree": 2, "control_points": [["-861/1061", "-620/1061"], ["19/81", "-55/27"], ["12/13", "-5/13"],
+        ["77/23", "125/23"], ["-629/829", "540/829"]], "weights": ["1061/100", "81/50", "26/25", "23/50", "829/100"],
+        "knots": [0, 0, 0, 1, 1, 2, 2, 2]}"#;
+    let spine = Spine::from_json_str(arc).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().all_terms(true)).expect("an answer");
+    let body = answer.terms.body_to_body;
+    assert!(answer.complete && body.is_within(1e-9) && body.lo <= 1.0 && 1.0 <= body.hi, "{answer:?}");
+}
+
 /// Of ends that are mirror images the rims meet on a line, and so at radii far below those of the rims nearby.
 #[test]
 fn rims_of_mirrored_ends() {

@@ -83,9 +83,16 @@ impl Exact<'_> {
         [value(&forms.r[0]), value(&forms.r[1]), value(&forms.r[2]), value(&forms.w)]
     }
 
-    /// Half the distance, from above, of a candidate with q.a(s) = q.a(t) = 0 exactly at simple rational parameters.
+    /// Half the distance, from above, of a candidate with q.a(s) = q.a(t) = 0 exactly at rational parameters.
     pub(crate) fn exactly_critical(&mut self, pair: &Candidate) -> Option<f64> {
-        let (s, t) = (simplest(pair.s)?, simplest(pair.t)?);
+        // on arcs of circles what is across from a simple parameter is rational, but not simple
+        let fine = |at| fraction(at, 1_000_000, 1e-12);
+        let members =
+            [[simplest(pair.s), simplest(pair.t)], [simplest(pair.s), fine(pair.t)], [fine(pair.s), simplest(pair.t)]];
+        members.into_iter().find_map(|[s, t]| self.critical_at(s?, t?, pair.radius))
+    }
+
+    fn critical_at(&mut self, s: (usize, Int, Int), t: (usize, Int, Int), radius: f64) -> Option<f64> {
         if same_parameter(self.frame, &s, &t) {
             return None;
         }
@@ -99,7 +106,7 @@ impl Exact<'_> {
         });
         critical.then_some(())?;
         let (num, den) = distance_sq(&whole_point(p), &whole_point(q));
-        least_f64(pair.radius, |r| num.cmp(&r.sqr().mul(&den).mul(&Dyadic::from(4))).is_le())
+        least_f64(radius, |r| num.cmp(&r.sqr().mul(&den).mul(&Dyadic::from(4))).is_le())
     }
 
     /// A doubly critical pair exists in a small box round the candidate (Miranda on preconditioned F1, F2); returns an
@@ -419,21 +426,25 @@ fn at_ratio(form: &Form<Int>, num: &Int, den: &Int, degree: usize) -> Int {
 /// The segment, and the fraction of denominator at most 1000 within 1e-7 of t in [0, 1], by continued fractions: where
 /// strands touch without crossing Newton's method comes no closer.
 /// Fractions of such denominators are 1e-6 apart.
-fn simplest((segment, t): (usize, f64)) -> Option<(usize, Int, Int)> {
+fn simplest(at: (usize, f64)) -> Option<(usize, Int, Int)> {
+    fraction(at, 1000, 1e-7)
+}
+
+fn fraction((segment, t): (usize, f64), most: i64, near: f64) -> Option<(usize, Int, Int)> {
     let (mut p, mut q) = ((0i64, 1i64), (1i64, 0i64));
     let mut x = t;
-    for _ in 0..12 {
+    for _ in 0..30 {
         let whole = x.floor();
         (p, q) = ((p.1, whole as i64 * p.1 + p.0), (q.1, whole as i64 * q.1 + q.0));
-        if q.1 > 1000 {
+        if q.1 > most {
             return None;
         }
         let (num, den) = (p.1, q.1);
-        if (num as f64 / den as f64 - t).abs() < 1e-7 {
+        if (num as f64 / den as f64 - t).abs() < near {
             return (num >= 0 && num <= den).then(|| (segment, Int::from(num), Int::from(den)));
         }
         x = 1.0 / (x - whole);
-        if !x.is_finite() || x > 1e15 {
+        if !x.is_finite() || x > 1e12 {
             return None;
         }
     }
