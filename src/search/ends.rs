@@ -36,6 +36,9 @@ pub(crate) struct Contact {
 /// How narrowly the frontier of the local pairs is located for a term of its own, in the unit box.
 const FRONTIER: f64 = 1e-9;
 
+/// So many cells that f64 places badly are tried once more.
+const KINKS: u32 = 8;
+
 /// What must not meet: the disks, or only their rims (the quantity of [M98]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Of {
@@ -184,6 +187,8 @@ pub(super) struct Search<'t, 'f> {
     /// The arcs from the end up to here, while everything so far was closed as local.
     reach: Vec<Id>,
     broken: bool,
+    /// Cells that were to be given up so far.
+    kinks: u32,
 }
 
 impl<'t, 'f> Search<'t, 'f> {
@@ -201,6 +206,7 @@ impl<'t, 'f> Search<'t, 'f> {
             contact: None,
             reach: vec![],
             broken: false,
+            kinks: 0,
         }
     }
 
@@ -308,11 +314,10 @@ impl<'t, 'f> Search<'t, 'f> {
         }
         // so small that splitting says nothing more about the distance
         let blurred = node.rad <= 8.0 * cell.p_err;
-        if gap > 0.0 && blurred && self.tree.sharpen(id) {
-            return self.closed(id);
-        }
-        if gap > 0.0 && (blurred || self.tree.node(id).rad < 1e-3 * self.margin * gap) {
-            if !self.closed_below_a_kink(id, share) {
+        if gap > 0.0 && (blurred || node.rad < 1e-3 * self.margin * gap) {
+            // a few times: along an arc that f64 cannot tell from a contact it would not end
+            self.kinks += 1;
+            if self.kinks > KINKS || !self.closed_below_a_kink(id, share) {
                 self.give_up(id);
             }
             return true;
