@@ -225,6 +225,11 @@ pub(crate) fn exact_div(a: &Int, b: &Int) -> Int {
     }
 }
 
+/// The scalar product.
+pub(crate) fn dot(u: &[Int; 3], v: &[Int; 3]) -> Int {
+    (0..3).fold(Int::ZERO, |sum, k| &sum + &(&u[k] * &v[k]))
+}
+
 /// Least common multiple of positive integers.
 pub(crate) fn lcm(a: &BigInt, b: &BigInt) -> BigInt {
     if a.is_zero() || b.is_zero() { BigInt::zero() } else { num_integer::Integer::lcm(a, b) }

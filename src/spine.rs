@@ -2,7 +2,7 @@
 
 use crate::curve::Curve;
 use crate::error::{Error, ErrorKind};
-use crate::integer::{Int, exact_div, gcd, lcm};
+use crate::integer::{self, Int, exact_div, gcd, lcm};
 use crate::number::{Rational, compare, rational_from_f64, same};
 use crate::roots::{Place, common_zero};
 use num_bigint::BigInt;
@@ -255,8 +255,7 @@ fn exact_list(key: &str, list: Option<&[f64]>) -> Result<Option<Vec<Rational>>, 
 /// Parallel and pointing the same way, exactly.
 fn same_direction(a: &[Int; 3], b: &[Int; 3]) -> bool {
     let cross_is_zero = [(1, 2), (2, 0), (0, 1)].iter().all(|&(i, j)| &a[i] * &b[j] == &a[j] * &b[i]);
-    let dot = (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &b[k]));
-    cross_is_zero && dot.sign() == Ordering::Greater
+    cross_is_zero && integer::dot(a, b).sign() == Ordering::Greater
 }
 
 /// Makes w > 0, or reports its zero.

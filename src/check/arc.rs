@@ -145,8 +145,10 @@ impl Spine {
         if kept.len() >= KEPT {
             kept.clear();
         }
-        let [zero, half, one] = [0, 1, 2].map(|k| Rational::new(k.into(), 2.into()));
-        let parts = || [piece.part(&zero, &half), piece.part(&half, &one)].map(|part| Rc::new([part]) as Arc);
+        let parts = || {
+            let [zero, half, one] = [0, 1, 2].map(|k| Rational::new(k.into(), 2.into()));
+            [piece.part(&zero, &half), piece.part(&half, &one)].map(|part| Rc::new([part]) as Arc)
+        };
         Ok(kept.entry(middle).or_insert_with(parts).clone())
     }
 

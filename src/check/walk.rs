@@ -52,7 +52,7 @@ pub(super) fn pairs(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), R
             (Node::Cone(g), Same(a)) => cone(a, g),
             (Node::Cone(g), Two(a, b)) => {
                 check(spine.touch(a, b), "the arcs do not touch")?;
-                cone(&[&**a, &**b].concat(), g)
+                cone(a, g).and_then(|()| cone(b, g))
             }
             (Node::Slab(g), Two(a, b)) => slab(a, b, g, r),
             (Node::Side(fields), Two(a, b)) => side(one(a)?, one(b)?, *fields),

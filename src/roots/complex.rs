@@ -8,8 +8,8 @@ use std::sync::Arc;
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
 
-use super::power::{derivative, square_free_factors};
-use super::real::{bound, integers, one_side, zero_polynomial};
+use super::power::{derivative, of_factors};
+use super::real::{bound, one_side};
 use crate::error::Error;
 use crate::integer::{Int, decompose, ldexp};
 use crate::number::{Rational, compare};
@@ -50,23 +50,11 @@ struct Gauss {
 /// assert_eq!(roots.iter().map(|root| root.multiplicity()).collect::<Vec<_>>(), [1, 2, 2]);
 /// ```
 pub fn complex_roots(coefficients: &[Rational]) -> Result<Vec<ComplexRoot>, Error> {
-    let mut p = integers(coefficients);
-    if p.is_empty() {
-        return Err(zero_polynomial());
-    }
-    let zeros = p.iter().take_while(|c| c.is_zero()).count();
-    p.drain(..zeros);
-    let mut roots = vec![];
-    if zeros > 0 {
-        let factor = Arc::new(vec![Int::ZERO, Int::ONE]);
+    let at_zero = |factor, multiplicity| {
         let centre = Gauss { re: BigInt::zero(), im: BigInt::zero() };
-        roots.push(ComplexRoot { multiplicity: zeros, factor, centre, radius: BigInt::zero(), depth: 0 });
-    }
-    if p.len() > 1 {
-        for (factor, multiplicity) in square_free_factors(&p) {
-            roots.extend(isolated(&Arc::new(factor), multiplicity));
-        }
-    }
+        ComplexRoot { multiplicity, factor, centre, radius: BigInt::zero(), depth: 0 }
+    };
+    let mut roots = of_factors(coefficients, at_zero, isolated)?;
     // those of different factors are different
     while let Some((i, j)) = meeting(&roots) {
         for k in [i, j] {

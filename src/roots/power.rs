@@ -1,9 +1,13 @@
 //! Integer polynomials in the power basis: lowest degree first, primitive, no leading zeros; the zero polynomial is empty.
 
+use std::sync::Arc;
+
 use num_bigint::BigInt;
 use num_traits::One;
 
+use crate::error::{Error, ErrorKind};
 use crate::integer::{Int, exact_div, gcd, lcm};
+use crate::number::Rational;
 
 pub(super) fn trimmed(mut p: Vec<Int>) -> Vec<Int> {
     while p.last().is_some_and(Int::is_zero) {
@@ -102,9 +106,36 @@ fn quotient(p: &[Int], d: &[Int]) -> Vec<Int> {
     trimmed(quotient)
 }
 
+/// The roots of all square-free factors of a polynomial with rational coefficients: the root 0 by `at_zero`, those of the
+/// other factors by `isolated`, each with the multiplicity.
+pub(super) fn of_factors<R>(
+    coefficients: &[Rational],
+    at_zero: impl FnOnce(Arc<Vec<Int>>, usize) -> R,
+    isolated: impl Fn(&Arc<Vec<Int>>, usize) -> Vec<R>,
+) -> Result<Vec<R>, Error> {
+    let common = coefficients.iter().fold(BigInt::one(), |all, c| lcm(&all, c.denom()));
+    let mut p = trimmed(coefficients.iter().map(|c| Int::from(c.numer() * (&common / c.denom()))).collect());
+    if p.is_empty() {
+        return Err(Error::new(ErrorKind::Irregular, "the polynomial is zero: every number is a root")
+            .help("give a polynomial with a coefficient that is not 0"));
+    }
+    let zeros = p.iter().take_while(|c| c.is_zero()).count();
+    p.drain(..zeros);
+    let mut roots = vec![];
+    if zeros > 0 {
+        roots.push(at_zero(Arc::new(vec![Int::ZERO, Int::ONE]), zeros));
+    }
+    if p.len() > 1 {
+        for (factor, multiplicity) in square_free_factors(&p) {
+            roots.extend(isolated(&Arc::new(factor), multiplicity));
+        }
+    }
+    Ok(roots)
+}
+
 /// Square-free factors of a primitive p of degree 1 or more, pairwise coprime, with their multiplicities: p is the
 /// product of their powers, up to a constant.
-pub(super) fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
+fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
     let slope = trimmed(derivative(p));
     if coprime_modulo_a_prime(p, &slope) {
         return vec![(p.to_vec(), 1)];

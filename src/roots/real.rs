@@ -10,9 +10,9 @@ use num_integer::Integer;
 use num_traits::{One, Signed, Zero};
 
 use super::common::halves;
-use super::power::{square_free_factors, to_bernstein, trimmed};
-use crate::error::{Error, ErrorKind};
-use crate::integer::{Int, lcm};
+use super::power::{of_factors, to_bernstein};
+use crate::error::Error;
+use crate::integer::Int;
 use crate::number::{Rational, compare};
 
 /// A real root of a polynomial, enclosed: the polynomial has exactly one root in the closed interval from `lo` to `hi`,
@@ -36,7 +36,7 @@ pub struct RealRoot {
 /// logarithm of the least distance of two roots.
 ///
 /// # Errors
-/// [`ErrorKind::Irregular`] for the zero polynomial, of which every number is a root.
+/// [`ErrorKind::Irregular`](crate::ErrorKind::Irregular) for the zero polynomial, of which every number is a root.
 ///
 /// ```
 /// use tubecert::{number::parse_rational, roots::real_roots};
@@ -46,33 +46,15 @@ pub struct RealRoot {
 /// assert_eq!(roots.iter().map(|root| root.multiplicity()).collect::<Vec<_>>(), [1, 2]);
 /// ```
 pub fn real_roots(coefficients: &[Rational]) -> Result<Vec<RealRoot>, Error> {
-    let mut p = integers(coefficients);
-    if p.is_empty() {
-        return Err(zero_polynomial());
-    }
-    let zeros = p.iter().take_while(|c| c.is_zero()).count();
-    p.drain(..zeros);
-    let mut roots = vec![];
-    if zeros > 0 {
-        let zero = || BigInt::zero();
-        let factor = Arc::new(vec![Int::ZERO, Int::ONE]);
-        roots.push(RealRoot { multiplicity: zeros, factor, start: zero(), length: zero(), depth: 0 });
-    }
-    if p.len() > 1 {
-        for (factor, multiplicity) in square_free_factors(&p) {
-            let factor = Arc::new(factor);
-            for negative in [true, false] {
-                roots.extend(one_side(&factor, multiplicity, negative));
-            }
-        }
-    }
+    let at_zero = |factor, multiplicity| {
+        let zero = BigInt::zero();
+        RealRoot { multiplicity, factor, start: zero.clone(), length: zero, depth: 0 }
+    };
+    let mut roots = of_factors(coefficients, at_zero, |factor, multiplicity| {
+        [true, false].into_iter().flat_map(|negative| one_side(factor, multiplicity, negative)).collect()
+    })?;
     part(&mut roots);
     Ok(roots)
-}
-
-pub(super) fn zero_polynomial() -> Error {
-    Error::new(ErrorKind::Irregular, "the polynomial is zero: every number is a root")
-        .help("give a polynomial with a coefficient that is not 0")
 }
 
 impl RealRoot {
@@ -235,10 +217,4 @@ fn part(roots: &mut [RealRoot]) {
             root.refine(&half);
         }
     }
-}
-
-/// The primitive integer polynomial that is a positive multiple.
-pub(super) fn integers(coefficients: &[Rational]) -> Vec<Int> {
-    let common = coefficients.iter().fold(BigInt::one(), |all, c| lcm(&all, c.denom()));
-    trimmed(coefficients.iter().map(|c| Int::from(c.numer() * (&common / c.denom()))).collect())
 }

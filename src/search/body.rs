@@ -23,8 +23,10 @@ use crate::integer::ldexp;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Below this radius (in the unit box) a search gives up: a self-contact, or undecided.
-pub(crate) const FLOOR: f64 = 1e-13;
+/// Below this radius (in the unit box) a search that starts there gives up: a self-contact, or undecided.
+pub(crate) fn floor(start: f64) -> f64 {
+    f64::min(1e-13, 1e-3 * start)
+}
 
 /// The largest radius that is searched. Far above the unit box: with negative weights a spine may leave it.
 const BEYOND: f64 = 1e150;
@@ -43,7 +45,7 @@ pub(crate) struct Outcome {
 /// doubly critical pair met.
 pub(crate) fn body_to_body(tree: &mut Tree, start: f64, margin: f64, meter: &mut Meter) -> Outcome {
     let (start, exact) = (start.min(BEYOND), Exact::new(tree.frame));
-    let floor = FLOOR.min(1e-3 * start);
+    let floor = floor(start);
     let mut search = Search { tree, exact, radius: start, margin, candidate: None };
     let root = search.tree.root();
     let mut open = BinaryHeap::from([Reverse((0u64, root, root))]);

@@ -6,7 +6,7 @@ use super::newton::Candidate;
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, Vec3, dot};
 use crate::certificate::{Foot, Upper};
-use crate::integer::{Int, exact_div, gcd, lcm};
+use crate::integer::{self, Int, exact_div, gcd, lcm};
 use crate::number::{Rational, compare, same};
 use crate::spine::Bezier;
 use num_bigint::BigInt;
@@ -102,7 +102,7 @@ impl Exact<'_> {
             let (forms, _) = self.span(at.0);
             let degree = forms.a[0].ds;
             let a = forms.a.each_ref().map(|a| at_ratio(a, &at.1, &at.2, degree));
-            (0..3).fold(Int::ZERO, |sum, k| &sum + &(&a[k] * &gap[k])).is_zero()
+            integer::dot(&a, &gap).is_zero()
         });
         critical.then_some(())?;
         let (num, den) = distance_sq(&whole_point(p), &whole_point(q));
@@ -263,13 +263,12 @@ fn symmetries(frame: &Frame, low: (usize, f64), high: (usize, f64)) -> Vec<Symme
 /// The direction of D = r w' - r' w of two arcs at equal parameters, if it is one all along and D changes its side.
 fn through_mirror(x: &Bezier, y: &Bezier) -> Option<[Int; 3]> {
     let (x, y) = (x.forms(), y.forms());
-    let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&y.w).sub(&y.r[k].mul(&x.w)));
+    let d = x.difference(&y);
     let last = d[0].c.len() - 1;
     let at = |i: usize| d.each_ref().map(|d| d.c[i].clone());
     let (first, end) = (at(0), at(last));
-    let dot = |u: &[Int; 3], v: &[Int; 3]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&u[k] * &v[k]));
     let parallel = |v: &[Int; 3]| (0..3).all(|k| &first[k] * &v[(k + 1) % 3] == &first[(k + 1) % 3] * &v[k]);
-    ((0..=last).all(|i| parallel(&at(i))) && dot(&first, &end).sign().is_lt()).then(|| {
+    ((0..=last).all(|i| parallel(&at(i))) && integer::dot(&first, &end).sign().is_lt()).then(|| {
         let common = first.iter().fold(Int::ZERO, |g, c| gcd(&g, c));
         first.map(|c| exact_div(&c, &common))
     })
@@ -299,19 +298,15 @@ fn over(
     map: impl Fn(&Vec3<Int>, &Vec3<Int>, &Vec3<Int>) -> [Form<Int>; 2],
 ) -> Vec<Vec<[Form<Int>; 2]>> {
     let forms = |strand: &Strand, other: bool| -> Vec<ExactForms> {
-        let turned = |f: Form<Int>| if other { f.transposed() } else { f };
         let paced = |(arc, pace): (&Bezier, &Int)| {
-            let ExactForms { r, w, a } = arc.forms();
-            let factor = turned(Form::from_bernstein(std::slice::from_ref(pace)));
-            ExactForms { r: r.map(turned), w: turned(w), a: a.map(|a| turned(a).mul(&factor)) }
+            let forms = if other { arc.forms().transposed() } else { arc.forms() };
+            let factor = Form::from_bernstein(std::slice::from_ref(pace));
+            ExactForms { a: forms.a.map(|a| a.mul(&factor)), ..forms }
         };
         strand.arcs.iter().zip(&strand.pace).map(paced).collect()
     };
     let (xs, ys) = (forms(x, false), forms(y, true));
-    let pair = |fx: &ExactForms, fy: &ExactForms| {
-        let d: Vec3<Int> = std::array::from_fn(|k| fx.r[k].mul(&fy.w).sub(&fy.r[k].mul(&fx.w)));
-        map(&d, &fx.a, &fy.a)
-    };
+    let pair = |fx: &ExactForms, fy: &ExactForms| map(&fx.difference(fy), &fx.a, &fy.a);
     xs.iter().map(|fx| ys.iter().map(|fy| pair(fx, fy)).collect()).collect()
 }
 
@@ -464,7 +459,7 @@ pub(crate) fn plane(frame: &Frame) -> Option<([Int; 3], [usize; 2])> {
     let gaps: Vec<[Int; 3]> = points.iter().map(|p| minus(p, base)).collect();
     let first = gaps.iter().find(|g| g.iter().any(|x| !x.is_zero()))?;
     let normal = gaps.iter().map(|g| cross(first, g)).find(|n| n.iter().any(|x| !x.is_zero()))?;
-    let inside = |g: &[Int; 3]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&normal[k] * &g[k])).is_zero();
+    let inside = |g: &[Int; 3]| integer::dot(&normal, g).is_zero();
     if !gaps.iter().all(inside) {
         return None;
     }

@@ -9,7 +9,7 @@
 //! polynomial in t. The other rules: |q| > 2r, and Lemma L next to the end.
 
 use super::apart::{balls_apart, direction, exact_points};
-use super::body::FLOOR;
+use super::body::floor;
 use super::curvature::golden;
 use super::dyadic::{Dyadic, ratio};
 use super::evidence::{Fault, planted};
@@ -60,7 +60,7 @@ pub(crate) fn end_to_body(
     let mut search = Search::new(tree, finish, of, start, own_term, margin);
     let mut open = vec![search.tree.root()];
     while let Some(id) = open.pop() {
-        if search.radius < FLOOR.min(1e-3 * start) {
+        if search.radius < floor(start) {
             return (0.0, search.contact);
         }
         if search.closed(id) {

@@ -234,6 +234,16 @@ pub(crate) struct ArcForms<T: Scalar> {
 }
 
 impl ExactForms {
+    /// D = r w' - r' w of this arc and another, each in the variable of its forms.
+    pub(crate) fn difference(&self, other: &Self) -> Vec3<Int> {
+        std::array::from_fn(|k| self.r[k].mul(&other.w).sub(&other.r[k].mul(&self.w)))
+    }
+
+    /// The same arc in the other variable.
+    pub(crate) fn transposed(self) -> Self {
+        Self { r: self.r.map(Form::transposed), w: self.w.transposed(), a: self.a.map(Form::transposed) }
+    }
+
     pub(crate) fn cast<T: Scalar>(&self) -> ArcForms<T> {
         ArcForms { w: T::cast(&self.w), a: self.a.each_ref().map(T::cast) }
     }

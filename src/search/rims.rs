@@ -5,7 +5,7 @@ use super::dyadic::{Dyadic, cross3, dot3, least_f64, ratio, step};
 use super::ends::{Contact, Of};
 use super::frame::{At, Frame};
 use super::witness::{DiskPair, Exact};
-use crate::integer::Int;
+use crate::integer::{Int, dot};
 use crate::spine::Bezier;
 
 impl DiskPair {
@@ -52,7 +52,7 @@ pub(crate) fn all_local(frame: &Frame) -> bool {
         return false;
     }
     let vectors: Vec<[Int; 3]> = frame.segments.iter().flat_map(cells).collect();
-    let acute = |u: &[Int; 3], v: &[Int; 3]| (0..3).fold(Int::ZERO, |sum, k| &sum + &(&u[k] * &v[k])).sign().is_ge();
+    let acute = |u: &[Int; 3], v: &[Int; 3]| dot(u, v).sign().is_ge();
     vectors.iter().all(|u| vectors.iter().all(|v| acute(u, v)))
 }
 

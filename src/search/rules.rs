@@ -68,7 +68,7 @@ pub(crate) enum Closed {
 
 /// Rules from exact arcs: f64 first, then intervals, then integers.
 pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64; 2]) -> Option<Closed> {
-    /// The rule that holds, or whether surely none does.
+    /// The rule that holds, or whether surely none does; y in the second variable.
     fn run<T: Scalar>(
         [x, y]: [&ExactForms; 2],
         d: &Vec3<Int>,
@@ -84,7 +84,7 @@ pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64
             let [first, second] = lines(centre[k], &shapes[k]);
             let own = line(first, ratio, exp).mul(&line(second, 1.0, 0));
             let own = if k == 0 { own } else { own.transposed() };
-            if [x, y][1 - k].w.ds == 0 {
+            if [x, y][1 - k].w.c.len() == 1 {
                 return own;
             }
             let other = line(shapes[1 - k].weights(), 1.0, 0);
@@ -92,8 +92,8 @@ pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64
         };
         let (first, second) = (multiplier(0, -ratio, exp), multiplier(1, 1.0 / ratio, -exp));
         let cast = |v: &Vec3<Int>| v.each_ref().map(T::cast);
-        let (d, weights) = (cast(d), T::cast(&x.w).mul(&T::cast(&y.w).transposed()));
-        let (ds, dt) = (form::dot(&d, &cast(&x.a)), form::dot(&d, &cast(&y.a).map(Form::transposed)));
+        let (d, weights) = (cast(d), T::cast(&x.w).mul(&T::cast(&y.w)));
+        let (ds, dt) = (form::dot(&d, &cast(&x.a)), form::dot(&d, &cast(&y.a)));
         let plain = stretched(&d, &weights, radius);
         let bent = || plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive();
         let rules: [(Closed, &dyn Fn() -> Option<bool>); 4] = [
@@ -114,13 +114,12 @@ pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64
     }
     let shapes = cells.map(Shape::of);
     // D in integers: rounded, its digits would be lost where the strands are far closer than the box is wide
-    let exact = cells.map(|cell| cell.exact(frame).forms());
-    let [x, y] = &exact;
-    let turned = |f: &Form<Int>| f.clone().transposed();
-    let d: Vec3<Int> = std::array::from_fn(|k| x.r[k].mul(&turned(&y.w)).sub(&turned(&y.r[k]).mul(&x.w)));
-    run::<f64>([x, y], &d, &shapes, radius, centre)
-        .or_else(|sure| if sure { Err(true) } else { run::<Interval>([x, y], &d, &shapes, radius, centre) })
-        .or_else(|sure| if sure { Err(true) } else { run::<Int>([x, y], &d, &shapes, radius, centre) })
+    let [x, y] = cells.map(|cell| cell.exact(frame).forms());
+    let y = y.transposed();
+    let (exact, d) = ([&x, &y], x.difference(&y));
+    run::<f64>(exact, &d, &shapes, radius, centre)
+        .or_else(|sure| if sure { Err(true) } else { run::<Interval>(exact, &d, &shapes, radius, centre) })
+        .or_else(|sure| if sure { Err(true) } else { run::<Int>(exact, &d, &shapes, radius, centre) })
         .ok()
 }
 
