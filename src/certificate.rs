@@ -7,11 +7,23 @@ mod text;
 use crate::number::Rational;
 pub use text::{MAX_CERTIFICATE_BYTES, MAX_CERTIFICATE_DIGITS};
 
-/// Evidence that delta of one curve lies in [lo, hi]; the format is docs/certificate-format.md.
+/// Evidence for a claim about one curve; the format is docs/certificate-format.md.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Certificate {
     /// The digest of the curve.
     pub(crate) digest: String,
+    pub(crate) evidence: Evidence,
+}
+
+/// One kind for each kind of claim.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Evidence {
+    Radius(Tube),
+}
+
+/// That delta lies in [lo, hi].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Tube {
     /// `None` is +infinity, as in `hi`.
     pub(crate) lo: Option<Rational>,
     pub(crate) hi: Option<Rational>,

@@ -2,6 +2,8 @@
 
 use num_traits::Zero;
 
+use crate::certificate::{Certificate, Evidence, Tube};
+use crate::claim::{Claim, Statement};
 use crate::curve::{Curve, check_lengths};
 use crate::error::{Error, ErrorKind};
 use crate::number::{MAX_DIGITS, MAX_EXPONENT, Rational, over_limit, parse_rational};
@@ -196,4 +198,15 @@ fn tidy(number: Rational, key: &str, index: usize) -> Result<Rational, Error> {
 
 fn tidy_all(numbers: Vec<Rational>, key: &str) -> Result<Vec<Rational>, Error> {
     numbers.into_iter().enumerate().map(|(index, number)| tidy(number, key, index)).collect()
+}
+
+impl Certificate {
+    /// The strongest claim about `curve` that this evidence would prove.
+    #[must_use]
+    pub fn claim(&self, curve: Curve) -> Claim {
+        let statement = match &self.evidence {
+            Evidence::Radius(Tube { lo, hi, .. }) => Statement::Radius { lo: lo.clone(), hi: hi.clone() },
+        };
+        Claim { curve, statement }
+    }
 }

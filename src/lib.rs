@@ -15,6 +15,8 @@ pub mod error;
 #[cfg(feature = "search")]
 mod integer;
 pub mod number;
+#[cfg(feature = "search")]
+mod options;
 mod print;
 #[cfg(feature = "search")]
 mod radius;
@@ -27,12 +29,14 @@ mod spine;
 
 pub use certificate::Certificate;
 pub use check::{Rejection, Verified, verify};
-pub use claim::Claim;
+pub use claim::{Claim, Statement};
 pub use curve::Curve;
 pub use error::{Error, ErrorKind};
 pub use number::Rational;
 #[cfg(feature = "search")]
-pub use radius::{Enclosure, LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms, radius};
+pub use options::Enclosure;
+#[cfg(feature = "search")]
+pub use radius::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms, radius};
 #[cfg(feature = "search")]
 pub use search::meter::Stop;
 #[cfg(feature = "search")]

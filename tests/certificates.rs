@@ -8,7 +8,7 @@ use std::process::Command;
 
 use shapes::*;
 use tubecert::number::{lower_text, nearest_text, parse_rational, upper_text};
-use tubecert::{Certificate, Claim, Curve, Radius, RadiusOptions, Rational, Spine, radius, verify};
+use tubecert::{Certificate, Claim, Curve, Radius, RadiusOptions, Rational, Spine, Statement, radius, verify};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name)
@@ -32,17 +32,28 @@ fn number(text: &str) -> Option<Rational> {
     (text != "null").then(|| parse_rational(text).unwrap())
 }
 
+/// The bounds that are claimed for delta.
+fn bounds(claim: &Claim) -> [Option<Rational>; 2] {
+    match &claim.statement {
+        Statement::Radius { lo, hi } => [lo.clone(), hi.clone()],
+        other => panic!("{other:?}"),
+    }
+}
+
 /// The answer verifies as printed, and with either bound one f64 inside it does not.
 fn verifies(curve: &Curve, width: f64) -> String {
     let answer = answer(curve, width);
     let certificate = answer.certificate.unwrap_or_else(|| panic!("no certificate for {}", curve.to_json()));
     let text = certificate.encode();
     let certificate = Certificate::decode(text.as_bytes()).expect("its own text");
-    let claim = |lo: String, hi: String| Claim { curve: curve.clone(), lo: number(&lo), hi: number(&hi) };
+    let claim = |lo: String, hi: String| Claim {
+        curve: curve.clone(),
+        statement: Statement::Radius { lo: number(&lo), hi: number(&hi) },
+    };
     let (lo, hi) = (answer.delta.lo, answer.delta.hi);
     let printed = claim(lower_text(lo), upper_text(hi));
     let verified = verify(&printed, &certificate).unwrap_or_else(|e| panic!("{e}\n{}", curve.to_json()));
-    assert_eq!((&verified.claim().lo, &verified.claim().hi), (&printed.lo, &printed.hi));
+    assert_eq!(bounds(verified.claim()), bounds(&printed));
     let inside = |text: String, step: fn(f64) -> f64| nearest_text(step(text.parse::<f64>().unwrap()));
     if lo.is_finite() {
         let claim = claim(inside(lower_text(lo), f64::next_up), upper_text(hi));
@@ -141,7 +152,8 @@ impl Truth {
             (None, Some(_)) => false,
             (Some(claimed), Some(hi)) => claimed <= hi,
         };
-        low(&claim.lo, &self.hi) && low(&self.lo, &claim.hi)
+        let [lo, hi] = bounds(claim);
+        low(&lo, &self.hi) && low(&self.lo, &hi)
     }
 }
 
@@ -209,7 +221,7 @@ fn mutants_prove_nothing_false(curve: &Curve, width: f64) {
         let claim = certificate.claim(curve.clone());
         if verify(&claim, &certificate).is_ok() {
             accepted += 1;
-            assert!(truth.allows(&claim), "a false claim is accepted: {:?} .. {:?}\n{mutant}", claim.lo, claim.hi);
+            assert!(truth.allows(&claim), "a false claim is accepted: {:?}\n{mutant}", claim.statement);
         } else {
             rejected += 1;
         }

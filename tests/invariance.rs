@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use shapes::*;
 use tubecert::number::{lower_text, parse_rational, upper_text};
-use tubecert::{Claim, Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, radius, verify};
+use tubecert::{Claim, Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, Statement, radius, verify};
 
 const CELLS: u64 = 100_000;
 
@@ -295,7 +295,7 @@ proptest! {
             let certificate = answer.certificate.unwrap();
             let bound = |text: String| parse_rational(&text).ok();
             let (lo, hi) = (bound(lower_text(answer.delta.lo)), bound(upper_text(answer.delta.hi)));
-            let verdict = verify(&Claim { curve: curve.clone(), lo, hi }, &certificate);
+            let verdict = verify(&Claim { curve: curve.clone(), statement: Statement::Radius { lo, hi } }, &certificate);
             prop_assert!(verdict.is_ok(), "{}\n{}", verdict.unwrap_err(), curve.to_json());
         }
     }

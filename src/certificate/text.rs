@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, EndTree, Foot, Node, Upper};
+use super::{Certificate, EndTree, Evidence, Foot, Node, Tube, Upper};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -15,7 +15,7 @@ pub const MAX_CERTIFICATE_BYTES: usize = 32 << 20;
 /// The most digits of an integer in a certificate.
 pub const MAX_CERTIFICATE_DIGITS: usize = 20_000;
 
-const HEAD: &str = "tubecert-certificate 1 radius";
+const HEAD: &str = "tubecert-certificate 1";
 
 impl Certificate {
     /// Reads a certificate. Only the canonical spelling is accepted.
@@ -43,25 +43,54 @@ impl Certificate {
     /// The canonical text.
     #[must_use]
     pub fn encode(&self) -> String {
-        let bound = |b: &Option<Rational>| b.as_ref().map_or("inf".to_string(), to_fraction_text);
-        let mut out = format!("{HEAD}\ncurve {}\nlo {}\nhi {}\n", self.digest, bound(&self.lo), bound(&self.hi));
-        let mut tree = |head: String, nodes: &[Node]| {
-            out += &head;
-            for node in nodes {
-                // writing to a String cannot fail
-                let _ = writeln!(out, "{node}");
-            }
+        let (kind, text) = match &self.evidence {
+            Evidence::Radius(tube) => ("radius", tube.encode()),
         };
-        tree("along\n".to_string(), &self.along);
+        format!("{HEAD} {kind}\ncurve {}\n{text}end\n", self.digest)
+    }
+
+    /// How many leaves of the trees name each rule.
+    pub(crate) fn leaves(&self) -> BTreeMap<&'static str, usize> {
+        match &self.evidence {
+            Evidence::Radius(Tube { along, pairs, ends, .. }) => {
+                let ends = ends.iter().flatten().map(|(_, nodes)| nodes);
+                counted([along].into_iter().chain(pairs).chain(ends).flatten())
+            }
+        }
+    }
+}
+
+pub(super) fn counted<'a>(nodes: impl Iterator<Item = &'a Node>) -> BTreeMap<&'static str, usize> {
+    let mut leaves = BTreeMap::new();
+    for node in nodes.filter(|node| !matches!(node, Node::Split | Node::SplitFirst | Node::SplitSecond)) {
+        *leaves.entry(node.name()).or_default() += 1;
+    }
+    leaves
+}
+
+/// Writes the lines of a tree after its head.
+pub(super) fn push_tree(out: &mut String, head: impl Display, nodes: &[Node]) {
+    // writing to a String cannot fail
+    let _ = writeln!(out, "{head}");
+    for node in nodes {
+        let _ = writeln!(out, "{node}");
+    }
+}
+
+impl Tube {
+    fn encode(&self) -> String {
+        let bound = |b: &Option<Rational>| b.as_ref().map_or("inf".to_string(), to_fraction_text);
+        let mut out = format!("lo {}\nhi {}\n", bound(&self.lo), bound(&self.hi));
+        push_tree(&mut out, "along", &self.along);
         if let Some(pairs) = &self.pairs {
-            tree("pairs\n".to_string(), pairs);
+            push_tree(&mut out, "pairs", pairs);
         }
         for (name, end) in ["start", "finish"].iter().zip(self.ends.iter().flatten()) {
             let ([x, y, z], nodes) = end;
-            tree(format!("{name} {x} {y} {z}\n"), nodes);
+            push_tree(&mut out, format_args!("{name} {x} {y} {z}"), nodes);
         }
         let list = |v: &[Rational]| v.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ");
-        out += &match &self.upper {
+        out + &match &self.upper {
             Upper::None => "upper none\n".to_string(),
             Upper::Curvature { span, t } => format!("upper curvature {span} {}\n", to_fraction_text(t)),
             Upper::Corner(joint) => format!("upper corner {joint}\n"),
@@ -79,21 +108,7 @@ impl Certificate {
             Upper::Mirror { arcs, normal } => {
                 format!("upper mirror {}\nnormal {}\n", list(arcs.as_flattened()), list(normal))
             }
-        };
-        out + "end\n"
-    }
-}
-
-impl Certificate {
-    /// How many leaves of the trees name each rule.
-    pub(crate) fn leaves(&self) -> BTreeMap<&'static str, usize> {
-        let ends = self.ends.iter().flatten().map(|(_, nodes)| nodes);
-        let nodes = [&self.along].into_iter().chain(&self.pairs).chain(ends).flatten();
-        let mut leaves = BTreeMap::new();
-        for node in nodes.filter(|node| !matches!(node, Node::Split | Node::SplitFirst | Node::SplitSecond)) {
-            *leaves.entry(node.name()).or_default() += 1;
         }
-        leaves
     }
 }
 
@@ -130,7 +145,7 @@ impl Display for Node {
 
 fn undecodable(line: usize, what: impl Display) -> Error {
     Error::new(ErrorKind::Certificate, format!("line {line}: {what}"))
-        .help("write the certificate anew: tubecert radius CURVE --certificate FILE")
+        .help("write the certificate anew: run the command that wrote it with --certificate FILE")
 }
 
 /// The lines of a text, read loosely: that the spelling is canonical is checked by writing it again.
@@ -153,11 +168,20 @@ impl<'a> Lines<'a> {
     }
 
     fn certificate(&mut self) -> Result<Certificate, Error> {
-        self.after(HEAD)?;
+        let [kind] = self.fields(HEAD)?;
         let [digest] = self.fields("curve")?;
         if digest.len() != 64 || !digest.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f')) {
             return Err(self.error("a digest has 64 lower-case hexadecimal digits"));
         }
+        let evidence = match kind {
+            "radius" => Evidence::Radius(self.tube()?),
+            _ => return Err(undecodable(1, format_args!("this version knows no certificates of {}", excerpt(kind)))),
+        };
+        self.after("end")?;
+        Ok(Certificate { digest: digest.to_string(), evidence })
+    }
+
+    fn tube(&mut self) -> Result<Tube, Error> {
         let lo = self.bound("lo")?;
         let hi = self.bound("hi")?;
         self.after("along")?;
@@ -167,8 +191,7 @@ impl<'a> Lines<'a> {
         let open = self.rest.peek().is_some_and(|line| line.starts_with("start"));
         let ends = if bounded && open { Some([self.end_tree("start")?, self.end_tree("finish")?]) } else { None };
         let upper = self.upper()?;
-        self.after("end")?;
-        Ok(Certificate { digest: digest.to_string(), lo, hi, along, pairs, ends, upper })
+        Ok(Tube { lo, hi, along, pairs, ends, upper })
     }
 
     fn fields<const N: usize>(&mut self, words: &str) -> Result<[&'a str; N], Error> {

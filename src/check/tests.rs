@@ -11,12 +11,12 @@ use super::arc::{Arc, Piece, Spine};
 use super::poly::Poly;
 use super::rules;
 use super::*;
-use crate::certificate::{Foot, Node, Upper};
+use crate::certificate::{Foot, Node, Tube, Upper};
 
 /// `bent` centred in the middle of both pieces.
 const MIDDLE: [i64; 6] = [1 << 31, 1 << 31, 0, 0, 0, 0];
 use crate::curve::Curve;
-use crate::number::parse_rational;
+use crate::number::{Rational, compare, parse_rational};
 
 fn q(text: &str) -> Rational {
     parse_rational(text).unwrap()
@@ -166,7 +166,7 @@ fn make(curve: &Curve, lo: &str, hi: Option<&str>, upper: Upper) -> Certificate 
             (axis, std::mem::take(&mut maker.nodes))
         })
     });
-    Certificate { digest: curve.digest(), lo, hi: hi.map(q), along, pairs, ends, upper }
+    certificate(curve, Tube { lo, hi: hi.map(q), along, pairs, ends, upper })
 }
 
 /// Makes, writes, reads and verifies.
@@ -181,6 +181,30 @@ fn accepted(name: &str, curve: &Curve, lo: &str, hi: Option<&str>, upper: Upper)
     (certificate, verified)
 }
 
+/// The bounds that are claimed for delta.
+fn bounds(claim: &Claim) -> [Option<Rational>; 2] {
+    match &claim.statement {
+        Statement::Radius { lo, hi } => [lo.clone(), hi.clone()],
+    }
+}
+
+fn certificate(curve: &Curve, tube: Tube) -> Certificate {
+    Certificate { digest: curve.digest(), evidence: Evidence::Radius(tube) }
+}
+
+/// With another witness.
+fn with(certificate: &Certificate, upper: Upper) -> Certificate {
+    let mut certificate = certificate.clone();
+    tube(&mut certificate).upper = upper;
+    certificate
+}
+
+fn tube(certificate: &mut Certificate) -> &mut Tube {
+    match &mut certificate.evidence {
+        Evidence::Radius(tube) => tube,
+    }
+}
+
 fn refused(curve: &Curve, certificate: &Certificate) -> Rejection {
     verify(&certificate.claim(curve.clone()), certificate).unwrap_err()
 }
@@ -190,10 +214,7 @@ fn parabola() {
     let curve = file("m98_5_1_parabola");
     let upper = Upper::Curvature { span: 0, t: q("1/2") };
     let (certificate, verified) = accepted("parabola", &curve, "0.4999", Some("1/2"), upper.clone());
-    assert_eq!(
-        (&verified.claim().lo, &verified.claim().hi, verified.closed()),
-        (&Some(q("0.4999")), &Some(q("1/2")), false)
-    );
+    assert_eq!((bounds(verified.claim()), verified.closed()), ([Some(q("0.4999")), Some(q("1/2"))], false));
 
     // the tests of the program read it
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/certificates/accept/m98_5_1_parabola__naive.txt");
@@ -202,20 +223,19 @@ fn parabola() {
     }
     assert_eq!(std::fs::read_to_string(path).unwrap(), certificate.encode());
 
-    let mut stronger = certificate.claim(curve.clone());
-    stronger.lo = Some(q("0.49991"));
-    assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "lo");
-    stronger.lo = Some(q("0.1"));
-    assert_eq!(verify(&stronger, &certificate).unwrap().claim().lo, Some(q("0.1")));
-    stronger.hi = Some(q("0.49995"));
-    assert_eq!(verify(&stronger, &certificate).unwrap_err().section, "hi");
-    stronger.hi = None;
-    assert_eq!(verify(&stronger, &certificate).unwrap().claim().hi, None);
+    let claimed = |lo: Option<&str>, hi: Option<&str>| {
+        let statement = Statement::Radius { lo: lo.map(q), hi: hi.map(q) };
+        verify(&Claim { curve: curve.clone(), statement }, &certificate)
+    };
+    assert_eq!(claimed(Some("0.49991"), Some("1/2")).unwrap_err().section, "lo");
+    assert_eq!(bounds(claimed(Some("0.1"), Some("1/2")).unwrap().claim())[0], Some(q("0.1")));
+    assert_eq!(claimed(Some("0.1"), Some("0.49995")).unwrap_err().section, "hi");
+    assert_eq!(bounds(claimed(Some("0.1"), None).unwrap().claim())[1], None);
 
     assert_eq!(refused(&file("m98_5_2"), &certificate).section, "curve");
-    let changed = |change: fn(&mut Certificate)| {
+    let changed = |change: fn(&mut Tube)| {
         let mut certificate = certificate.clone();
-        change(&mut certificate);
+        change(tube(&mut certificate));
         refused(&curve, &certificate)
     };
     assert_eq!(changed(|c| c.lo = Some(q("0.500001"))).section, "along");
@@ -242,7 +262,8 @@ fn bounds_of_a_claim_that_are_not_in_lowest_terms() {
     let text = include_str!("../../tests/certificates/accept/m98_5_1_parabola__naive.txt");
     let certificate = Certificate::decode(text.as_bytes()).unwrap();
     let raw = |num: i64, den: i64| Some(Rational::new_raw(num.into(), den.into()));
-    let proved = |lo, hi| verify(&Claim { curve: curve.clone(), lo, hi }, &certificate).is_ok();
+    let proved =
+        |lo, hi| verify(&Claim { curve: curve.clone(), statement: Statement::Radius { lo, hi } }, &certificate).is_ok();
     assert!(proved(raw(2, 20), raw(20, 2)));
     // 5 <= delta; delta <= -5; and no numbers at all
     assert!(!proved(raw(-5, -1), None));
@@ -255,7 +276,7 @@ fn bounds_of_a_claim_that_are_not_in_lowest_terms() {
 fn straight_line() {
     let curve = file("straight_line");
     let (certificate, verified) = accepted("straight line", &curve, "inf", None, Upper::None);
-    assert_eq!((&verified.claim().lo, &verified.claim().hi), (&None, &None));
+    assert_eq!(bounds(verified.claim()), [None, None]);
     let bent = file("m98_5_1_parabola");
     let forged = Certificate { digest: bent.digest(), ..certificate };
     assert_eq!(refused(&bent, &forged).why, "the spine is not straight");
@@ -264,8 +285,8 @@ fn straight_line() {
 #[test]
 fn trefoil() {
     // delta is 0.5625.. to 0.5626
-    let (certificate, verified) = accepted("trefoil", &file("trefoil"), "0.45", None, Upper::None);
-    assert!(verified.closed() && certificate.ends.is_none());
+    let (mut certificate, verified) = accepted("trefoil", &file("trefoil"), "0.45", None, Upper::None);
+    assert!(verified.closed() && tube(&mut certificate).ends.is_none());
 }
 
 #[test]
@@ -286,12 +307,13 @@ fn pierced_end() {
 fn corner() {
     let corner = curve(r#"{"degree": 1, "control_points": [[0, 0], [1, 0], [1, 1]], "knots": [0, 0, 1, 2, 2]}"#);
     let (mut certificate, _) = accepted("corner", &corner, "0", Some("0"), Upper::Corner(1));
-    certificate.upper = Upper::Corner(0);
+    tube(&mut certificate).upper = Upper::Corner(0);
     assert_eq!(refused(&corner, &certificate).why, "the ends are two points");
-    certificate.upper = Upper::Corner(2);
+    tube(&mut certificate).upper = Upper::Corner(2);
     assert_eq!(refused(&corner, &certificate).why, "there is no such joint");
     let smooth = curve(r#"{"degree": 1, "control_points": [[0, 0], [1, 0], [3, 0]], "knots": [0, 0, 1, 2, 2]}"#);
-    certificate = Certificate { digest: smooth.digest(), upper: Upper::Corner(1), ..certificate };
+    certificate = with(&certificate, Upper::Corner(1));
+    certificate.digest = smooth.digest();
     assert_eq!(refused(&smooth, &certificate).why, "the joint is smooth");
 }
 
@@ -307,7 +329,7 @@ fn crossing() {
         second: v("-1", "1", "0"),
     };
     let (certificate, _) = accepted("crossing", &curve, "0", Some("0"), witness(["0.05", "0.15"], ["0.85", "0.95"]));
-    let changed = |upper| refused(&curve, &Certificate { upper, ..certificate.clone() }).why;
+    let changed = |upper| refused(&curve, &with(&certificate, upper)).why;
     let signs = "the coefficients on opposite sides have no opposite strict signs";
     let (apart, range) = ("the two are not apart on the spine", "a position is out of range");
     assert_eq!(changed(witness(["0", "0.01"], ["0.85", "0.95"])), signs);
@@ -356,7 +378,7 @@ fn crossing_on_joints() {
         accepted("crossing", &curve, "0", Some("0"), witness(s, t));
     }
     let (certificate, _) = accepted("crossing", &curve, "0", Some("0"), witness(["4.9", "5.1"], ["10.9", "11.1"]));
-    let changed = |upper| refused(&curve, &Certificate { upper, ..certificate.clone() }).why;
+    let changed = |upper| refused(&curve, &with(&certificate, upper)).why;
     let signs = "the coefficients on opposite sides have no opposite strict signs";
     assert_eq!(changed(witness(["5.05", "5.1"], ["10.9", "11.1"])), signs);
     assert_eq!(changed(witness(["4.9", "5.1"], ["10.9", "16.95"])), "the two are not apart on the spine");
@@ -381,7 +403,7 @@ fn mirror() {
     };
     let (s, t) = (["0.2", "0.25"], ["0.8", "0.75"]);
     let (certificate, _) = accepted("mirror", &curve, "0", Some("0"), witness(s, t, "-1/3", "0"));
-    let changed = |upper| refused(&curve, &Certificate { upper, ..certificate.clone() }).why;
+    let changed = |upper| refused(&curve, &with(&certificate, upper)).why;
     let not_along = "the points of equal parameters are not along the normal";
     assert_eq!(changed(witness(s, ["0.75", "0.8"], "1", "0")), not_along);
     assert_eq!(changed(witness(s, t, "1", "1/9")), not_along);
@@ -405,7 +427,7 @@ fn contact() {
     );
     let changed = |feet| {
         let upper = Upper::Contact { x: [q("0"), q("0"), q("0")], feet };
-        refused(&circle, &Certificate { upper, ..certificate.clone() }).why
+        refused(&circle, &with(&certificate, upper)).why
     };
     assert_eq!(changed([at("1/3"), at("1/3")]), "the two are not apart on the spine");
     assert_eq!(changed([at("0"), at(&n.to_string())]), "the two are not apart on the spine");
@@ -424,7 +446,7 @@ fn what_other_conditions_imply_is_refused() {
         let bounded = lo.is_some_and(|lo| lo != "0");
         let ends = bounded.then_some([([1, 0, 0], start), ([1, 0, 0], finish)]);
         let (lo, hi, pairs) = (lo.map(q), hi.map(q), bounded.then_some(pairs));
-        refused(curve, &Certificate { digest: curve.digest(), lo, hi, along, pairs, ends, upper }).section
+        refused(curve, &self::certificate(curve, Tube { lo, hi, along, pairs, ends, upper })).section
     };
     // a loop whose ends meet at a right angle: the pair of its ends, one point, passes no rule
     let bend = curve(r#"{"degree": 4, "control_points": [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]}"#);
@@ -546,8 +568,9 @@ proptest! {
         if let Ok(certificate) = Certificate::decode((lines.join("\n") + "\n").as_bytes())
             && let Ok(verified) = verify(&certificate.claim(curve), &certificate)
         {
-            prop_assert!(verified.claim().lo.as_ref().is_some_and(|lo| compare(lo, &q("1/2")).is_lt()));
-            prop_assert!(verified.claim().hi.as_ref().is_none_or(|hi| compare(hi, &q("1/2")).is_ge()));
+            let [lo, hi] = bounds(verified.claim());
+            prop_assert!(lo.as_ref().is_some_and(|lo| compare(lo, &q("1/2")).is_lt()));
+            prop_assert!(hi.as_ref().is_none_or(|hi| compare(hi, &q("1/2")).is_ge()));
         }
     }
 

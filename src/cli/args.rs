@@ -41,7 +41,7 @@ pub struct VerifyArgs {
     pub curve: PathBuf,
     /// The certificate
     pub certificate: PathBuf,
-    /// The claim: a JSON answer of radius; without it, the strongest that the certificate proves
+    /// The claim: the JSON answer of a command; without it, the strongest that the certificate proves
     #[arg(long, value_name = "ANSWER")]
     pub answer: Option<PathBuf>,
     /// Print the verdict as JSON; a failure too
@@ -52,9 +52,10 @@ pub struct VerifyArgs {
     pub budget: Option<Duration>,
 }
 
+/// What all commands that search take.
 #[cfg(feature = "search")]
 #[derive(Debug, clap::Args)]
-pub struct RadiusArgs {
+pub struct Common {
     /// The curve file (JSON); - is standard input
     pub curve: PathBuf,
     /// Print the answer as JSON; a failure too
@@ -63,9 +64,6 @@ pub struct RadiusArgs {
     /// The asked relative width, between 0 and 1: hi - lo <= W hi
     #[arg(long, value_name = "W", default_value = "1e-9", value_parser = rel_width, allow_negative_numbers = true)]
     pub rel_width: f64,
-    /// Enclose every term, also those that cannot bind, and the rim terms; can take much longer
-    #[arg(long)]
-    pub all_terms: bool,
     /// Write the evidence to FILE, after replaying it; `tubecert verify` checks it
     #[arg(long, value_name = "FILE")]
     pub certificate: Option<PathBuf>,
@@ -75,6 +73,16 @@ pub struct RadiusArgs {
     /// Stop after so many seconds with what is proved by then; answers then depend on the machine
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub budget: Option<Duration>,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, clap::Args)]
+pub struct RadiusArgs {
+    #[command(flatten)]
+    pub common: Common,
+    /// Enclose every term, also those that cannot bind, and the rim terms; can take much longer
+    #[arg(long)]
+    pub all_terms: bool,
 }
 
 #[cfg(feature = "search")]

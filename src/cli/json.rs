@@ -1,7 +1,15 @@
 //! The JSON answers: one line, keys in the order of the contract.
 
 use serde::Serialize;
+#[cfg(feature = "search")]
+use serde::ser::{Error as _, SerializeStruct, Serializer};
+#[cfg(feature = "search")]
+use serde_json::value::RawValue;
 use tubecert::Curve;
+#[cfg(feature = "search")]
+use tubecert::Enclosure;
+#[cfg(feature = "search")]
+use tubecert::number::{lower_text, upper_text};
 
 use super::Failure;
 
@@ -48,4 +56,19 @@ pub fn failure(failure: &Failure) -> String {
 fn line(value: &impl Serialize) -> String {
     // no map here has keys other than strings, and no number text is not JSON: writing to memory cannot fail
     serde_json::to_string(value).expect("an answer is JSON") + "\n"
+}
+
+/// `{"lo", "hi"}`, each true as the decimal that is printed and as its nearest f64; `null` is +infinity.
+#[cfg(feature = "search")]
+pub struct E(pub Enclosure);
+
+#[cfg(feature = "search")]
+impl Serialize for E {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let raw = |text: String| RawValue::from_string(text).map_err(S::Error::custom);
+        let mut pair = serializer.serialize_struct("E", 2)?;
+        pair.serialize_field("lo", &raw(lower_text(self.0.lo))?)?;
+        pair.serialize_field("hi", &raw(upper_text(self.0.hi))?)?;
+        pair.end()
+    }
 }

@@ -1,6 +1,11 @@
 //! The command line: arguments in, text or JSON and an exit code out. It proves nothing by itself.
 
+mod answer;
 mod args;
+#[cfg(feature = "search")]
+mod enclosed;
+#[cfg(feature = "search")]
+mod job;
 mod json;
 #[cfg(feature = "search")]
 mod radius;
@@ -54,7 +59,7 @@ pub fn main() -> ExitCode {
     };
     match args.command {
         #[cfg(feature = "search")]
-        Command::Radius(args) => say(radius::run(&args), args.json),
+        Command::Radius(args) => say(radius::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use tubecert::Curve;
+
 use super::Failure;
 
 /// Free text from a file, made harmless for a terminal and short.
@@ -11,6 +13,11 @@ pub fn plain(text: &str) -> String {
         plain.push_str("...");
     }
     plain
+}
+
+/// The unit of lengths.
+pub fn unit(curve: &Curve) -> String {
+    curve.unit().map_or("file units".to_string(), plain)
 }
 
 pub fn failure(failure: &Failure) -> String {

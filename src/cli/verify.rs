@@ -1,21 +1,19 @@
 //! The command `verify`.
 
-use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use serde::Serialize;
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
+use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
-use tubecert::claim::Claim;
-use tubecert::number::{Rational, decimal_text, parse_rational, to_fraction_text};
-use tubecert::{Curve, ErrorKind};
+use tubecert::claim::{Claim, Statement};
+use tubecert::number::{Rational, decimal_text, to_fraction_text};
 
+use super::answer::{self, Wrong};
 use super::args::VerifyArgs;
-use super::text::plain;
+use super::text::unit;
 use super::{DONE, Failure, REJECTED, Said, UNDECIDED, UNUSABLE, json, read};
 
 pub fn run(args: &VerifyArgs) -> Said {
@@ -31,11 +29,12 @@ pub fn run(args: &VerifyArgs) -> Said {
         None => certificate.claim(curve),
         Some(path) => {
             let (bytes, _) = load(path)?;
-            answered(&bytes, curve).map_err(|Wrong { kind, key, message }| {
-                let help = "give a JSON answer that radius printed for this curve".to_string();
+            let statement = answer::statement(&bytes, &curve).map_err(|Wrong { kind, key, message }| {
+                let help = "give a JSON answer that was printed for this curve".to_string();
                 let file = Some(path.display().to_string());
                 Box::new(Failure { file, key, help: Some(help), ..Failure::new(kind, message, UNUSABLE) })
-            })?
+            })?;
+            Claim { curve, statement }
         }
     };
     let verdict = within(args.budget, &claim, certificate);
@@ -78,85 +77,6 @@ fn within(budget: Option<Duration>, claim: &Claim, certificate: Certificate) -> 
     }
 }
 
-/// What is wrong with an answer, and at which key.
-struct Wrong {
-    kind: &'static str,
-    key: Option<String>,
-    message: String,
-}
-
-fn wrong(key: &str, what: impl fmt::Display) -> Wrong {
-    Wrong { kind: "answer", key: Some(key.to_string()), message: what.to_string() }
-}
-
-/// The claim that a JSON answer of `radius` makes, exactly as its decimals are printed.
-fn answered(bytes: &[u8], curve: Curve) -> Result<Claim, Wrong> {
-    let root: &RawValue = serde_json::from_slice(bytes).map_err(|error| Wrong {
-        kind: ErrorKind::Syntax.word(),
-        key: None,
-        message: format!("the answer is not JSON: {error}"),
-    })?;
-    if string(root, "command")?.as_deref() != Some("radius") {
-        return Err(wrong("command", "this is no answer of radius"));
-    }
-    if string(root, "curve.digest")? != Some(curve.digest()) {
-        return Err(wrong("curve.digest", "the answer is about another curve"));
-    }
-    if member(root, "schema")? != "1" {
-        return Err(wrong("schema", "this version reads answers of schema 1"));
-    }
-    let bound = |key| match member(root, key)? {
-        "null" => Ok(None),
-        text if text.starts_with(['-', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9']) => {
-            parse_rational(text).map(Some).map_err(|error| wrong(key, error.message))
-        }
-        _ => Err(wrong(key, "the bound is neither a number nor null")),
-    };
-    let (lo, hi) = (bound("delta.lo")?, bound("delta.hi")?);
-    Ok(Claim { curve, lo, hi })
-}
-
-/// The string under keys parted by points; `None` if it is no string.
-fn string(root: &RawValue, path: &str) -> Result<Option<String>, Wrong> {
-    Ok(serde_json::from_str(member(root, path)?).ok())
-}
-
-/// The value under keys parted by points, as it is spelled.
-fn member<'a>(root: &'a RawValue, path: &str) -> Result<&'a str, Wrong> {
-    path.split('.').try_fold(root.get(), |value, key| {
-        if !value.starts_with('{') {
-            return Err(wrong(path, "the key is missing"));
-        }
-        let members = serde_json::Deserializer::from_str(value).deserialize_map(Members).map_err(|error| {
-            let kind = if error.is_data() { ErrorKind::DuplicateKey } else { ErrorKind::Syntax };
-            Wrong { kind: kind.word(), ..wrong(path, error) }
-        })?;
-        members.get(key).map(|value| value.get()).ok_or_else(|| wrong(path, "the key is missing"))
-    })
-}
-
-/// Collects the members of a JSON object, their values as they are spelled; refuses a key that stands twice.
-struct Members;
-
-impl<'a> Visitor<'a> for Members {
-    type Value = BTreeMap<String, &'a RawValue>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("an object")
-    }
-
-    fn visit_map<A: MapAccess<'a>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut members = BTreeMap::new();
-        while let Some((key, value)) = map.next_entry::<String, _>()? {
-            if members.contains_key(&key) {
-                return Err(A::Error::custom(format_args!("the key {key:?} stands twice in one object")));
-            }
-            members.insert(key, value);
-        }
-        Ok(members)
-    }
-}
-
 /// A decimal if it is one, else a fraction.
 fn text(x: &Rational) -> String {
     decimal_text(x).unwrap_or_else(|| to_fraction_text(x))
@@ -187,8 +107,15 @@ struct VerdictData {
 struct ClaimData {
     kind: &'static str,
     curve_digest: String,
-    lo: Option<Bound>,
-    hi: Option<Bound>,
+    #[serde(flatten)]
+    statement: StatementData,
+}
+
+/// The statement, as its command spells it.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum StatementData {
+    Radius { lo: Option<Bound>, hi: Option<Bound> },
 }
 
 fn as_json(claim: &Claim, verdict: &Verdict) -> String {
@@ -197,16 +124,14 @@ fn as_json(claim: &Claim, verdict: &Verdict) -> String {
         Verdict::Rejected(rejection) => ("rejected", Some(rejection.to_string())),
         Verdict::Undecided(limit) => ("undecided", Some(too_long(*limit))),
     };
-    let data = VerdictData {
-        verdict: word,
-        claim: ClaimData {
-            kind: "radius",
-            curve_digest: claim.curve.digest(),
-            lo: bound(claim.lo.as_ref()),
-            hi: bound(claim.hi.as_ref()),
-        },
-        reason,
+    let (kind, statement) = match &claim.statement {
+        Statement::Radius { lo, hi } => {
+            ("radius", StatementData::Radius { lo: bound(lo.as_ref()), hi: bound(hi.as_ref()) })
+        }
+        _ => ("unknown", StatementData::Radius { lo: None, hi: None }),
     };
+    let data =
+        VerdictData { verdict: word, claim: ClaimData { kind, curve_digest: claim.curve.digest(), statement }, reason };
     json::answer("verify", &claim.curve, data)
 }
 
@@ -215,19 +140,17 @@ fn too_long(limit: Duration) -> String {
 }
 
 fn as_text(claim: &Claim, verdict: &Verdict) -> String {
-    let number = |x: &Option<Rational>| x.as_ref().map_or("infinity".to_string(), text);
-    let unit = claim.curve.unit().map_or("file units".to_string(), plain);
-    let delta = format!("delta = {} .. {}        ({unit})\n", number(&claim.lo), number(&claim.hi));
+    let claimed = claimed(claim);
     match verdict {
         Verdict::Rejected(rejection) => format!(
-            "rejected: {delta}the certificate does not prove this: {rejection}\n\
+            "rejected: {claimed}the certificate does not prove this: {rejection}\n\
              this says nothing about whether it is true\n"
         ),
-        Verdict::Undecided(limit) => format!("undecided: {delta}{}\n", too_long(*limit)),
+        Verdict::Undecided(limit) => format!("undecided: {claimed}{}\n", too_long(*limit)),
         Verdict::Verified(verified) => {
             let leaves: Vec<String> = verified.leaves().iter().map(|(rule, count)| format!("{count} {rule}")).collect();
             format!(
-                "verified: {delta}{}\nevidence: {}, all of it evaluated in integers\n",
+                "verified: {claimed}{}evidence: {}, all of it evaluated in integers\n",
                 meaning(verified),
                 leaves.join(", ")
             )
@@ -235,15 +158,28 @@ fn as_text(claim: &Claim, verdict: &Verdict) -> String {
     }
 }
 
+/// The statement in a line or more.
+fn claimed(claim: &Claim) -> String {
+    let number = |x: &Option<Rational>| x.as_ref().map_or("infinity".to_string(), text);
+    match &claim.statement {
+        Statement::Radius { lo, hi } => {
+            format!("delta = {} .. {}        ({})\n", number(lo), number(hi), unit(&claim.curve))
+        }
+        _ => String::new(),
+    }
+}
+
+/// What it means, where that is not said yet.
 fn meaning(verified: &Verified) -> String {
+    let Statement::Radius { lo, hi } = &verified.claim().statement else { return String::new() };
     let spine = if verified.closed() { "closed" } else { "open" };
-    let below = match &verified.claim().lo {
+    let below = match lo {
         None => "every radius".to_string(),
         Some(lo) => format!("every radius below {}", text(lo)),
     };
-    let above = match &verified.claim().hi {
+    let above = match hi {
         None => String::new(),
         Some(hi) => format!("; no radius above {} is", text(hi)),
     };
-    format!("on this {spine} spine {below} is free of self-intersection{above}")
+    format!("on this {spine} spine {below} is free of self-intersection{above}\n")
 }

@@ -1,50 +1,8 @@
 //! What is asked of `radius`, and what it answers.
 
 use crate::certificate::Certificate;
-use crate::number::{Rational, f64_above, f64_below};
-use crate::search::meter::{Progress, Stop};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
-
-/// A closed interval that holds a real number: `lo <= value <= hi`, both ends proved.
-///
-/// `hi` infinite: no upper bound is known, or none exists. `lo` infinite: the quantity is infinite.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Enclosure {
-    /// Proved lower bound.
-    pub lo: f64,
-    /// Proved upper bound.
-    pub hi: f64,
-}
-
-impl Enclosure {
-    /// The enclosure of an infinite quantity, such as a term with no pair at all.
-    pub const INFINITE: Self = Self { lo: f64::INFINITY, hi: f64::INFINITY };
-
-    pub(super) const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
-
-    /// `hi - lo <= w hi`, or `lo = hi`.
-    #[must_use]
-    pub fn is_within(&self, w: f64) -> bool {
-        self.lo == self.hi || (self.hi.is_finite() && self.hi - self.lo <= w * self.hi)
-    }
-
-    /// Do the two enclosures share a number?
-    #[must_use]
-    pub fn meets(&self, other: &Self) -> bool {
-        self.lo <= other.hi && other.lo <= self.hi
-    }
-
-    /// What both say of one number.
-    pub(super) fn and(&self, other: &Self) -> Self {
-        Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }
-    }
-
-    pub(super) fn of(x: &Rational) -> Self {
-        Self { lo: f64_below(x), hi: f64_above(x) }
-    }
-}
+use crate::options::{Enclosure, options};
+use crate::search::meter::Stop;
 
 /// What keeps delta from being larger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -164,105 +122,10 @@ pub struct Radius {
     pub stopped: Option<Stop>,
 }
 
-/// Options of [`radius`](fn@crate::radius).
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct RadiusOptions {
-    /// Asked width: `hi - lo <= rel_width * hi`. Default 1e-9.
-    pub rel_width: f64,
-    /// Enclose every term, and the rim terms.
-    pub all_terms: bool,
-    /// Write the evidence down.
-    pub certificate: bool,
-    /// Cells after which the searches stop, with what is proved by then. Default 20 million.
-    pub max_cells: u64,
-    /// Wall-clock limit; makes answers depend on the machine. Off by default.
-    pub budget: Option<Duration>,
-    /// Set to true from another thread to stop early, with what is proved by then.
-    pub cancel: Option<Arc<AtomicBool>>,
-    /// Called now and then with the number of cells done.
-    pub progress: Option<Progress>,
-}
-
-impl std::fmt::Debug for RadiusOptions {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("RadiusOptions")
-            .field("rel_width", &self.rel_width)
-            .field("all_terms", &self.all_terms)
-            .field("certificate", &self.certificate)
-            .field("max_cells", &self.max_cells)
-            .field("budget", &self.budget)
-            .finish_non_exhaustive()
-    }
-}
-
-impl Default for RadiusOptions {
-    fn default() -> Self {
-        Self {
-            rel_width: 1e-9,
-            all_terms: false,
-            certificate: false,
-            max_cells: 20_000_000,
-            budget: None,
-            cancel: None,
-            progress: None,
-        }
-    }
-}
-
-impl RadiusOptions {
-    /// The defaults.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Sets the asked relative width.
-    #[must_use]
-    pub fn rel_width(mut self, w: f64) -> Self {
-        self.rel_width = w;
-        self
-    }
-
-    /// Asks for every term, and the rim terms.
-    #[must_use]
-    pub fn all_terms(mut self, yes: bool) -> Self {
-        self.all_terms = yes;
-        self
-    }
-
-    /// Asks for the certificate.
-    #[must_use]
-    pub fn certificate(mut self, yes: bool) -> Self {
-        self.certificate = yes;
-        self
-    }
-
-    /// Sets the number of cells after which the searches stop.
-    #[must_use]
-    pub fn max_cells(mut self, n: u64) -> Self {
-        self.max_cells = n;
-        self
-    }
-
-    /// Sets a wall-clock limit.
-    #[must_use]
-    pub fn budget(mut self, limit: Duration) -> Self {
-        self.budget = Some(limit);
-        self
-    }
-
-    /// Sets a flag that stops the searches early.
-    #[must_use]
-    pub fn cancel(mut self, flag: Arc<AtomicBool>) -> Self {
-        self.cancel = Some(flag);
-        self
-    }
-
-    /// Sets a callback that is told the number of cells done.
-    #[must_use]
-    pub fn progress(mut self, report: impl Fn(u64) + Send + Sync + 'static) -> Self {
-        self.progress = Some(Arc::new(report));
-        self
+options! {
+    /// Options of [`radius`](fn@crate::radius).
+    RadiusOptions {
+        /// Asks for every term, and the rim terms. Default false.
+        all_terms: bool = false,
     }
 }

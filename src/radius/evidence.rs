@@ -1,8 +1,8 @@
 //! From an answer to its certificate.
 
-use super::Enclosure;
-use crate::certificate::{Certificate, Upper};
+use crate::certificate::{Certificate, Evidence, Tube, Upper};
 use crate::number::{Rational, f64_above, lower_text, parse_rational, upper_text};
+use crate::options::Enclosure;
 use crate::search::dyadic::power_of_two;
 use crate::search::evidence;
 use crate::search::frame::Frame;
@@ -36,12 +36,13 @@ pub(super) fn certificate(
             ends = Some([evidence::end(&mut tree, false, r)?, evidence::end(&mut tree, true, r)?]);
         }
     }
-    Some(Certificate { digest: spine.curve().digest(), lo, hi, along, pairs, ends, upper })
+    let evidence = Evidence::Radius(Tube { lo, hi, along, pairs, ends, upper });
+    Some(Certificate { digest: spine.curve().digest(), evidence })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Certificate, Rational, Upper};
+    use super::{Evidence, Rational, Tube, Upper};
     use crate::check::verify;
     use crate::curve::Curve;
     use crate::radius::{RadiusOptions, radius};
@@ -53,14 +54,15 @@ mod tests {
     const END: &str = include_str!("../../tests/curves/m98_5_2.json");
 
     /// The verdict on what a search with a fault writes, after a change of it.
-    fn accepted(text: &str, fault: Option<Fault>, change: impl Fn(&mut Certificate)) -> bool {
+    fn accepted(text: &str, fault: Option<Fault>, change: impl Fn(&mut Tube)) -> bool {
         let curve = Curve::from_json_str(text).expect("a curve");
         let spine = Spine::from_curve(curve.clone()).expect("a spine");
         FAULT.set(fault);
         let answer = radius(&spine, &RadiusOptions::new().certificate(true)).expect("an answer");
         FAULT.set(None);
         let mut certificate = answer.certificate.expect("a certificate");
-        change(&mut certificate);
+        let Evidence::Radius(tube) = &mut certificate.evidence;
+        change(tube);
         verify(&certificate.claim(curve), &certificate).is_ok()
     }
 

@@ -3,11 +3,12 @@
 mod answer;
 mod evidence;
 
-pub use answer::{Enclosure, LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms};
+pub use answer::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms};
 
 use crate::certificate::Upper;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::number::{f64_above, f64_below, rational_from_f64, same};
+use crate::options::{self, Enclosure};
 use crate::search::body;
 use crate::search::contact::Touch;
 use crate::search::curvature::{self, Peak};
@@ -19,7 +20,6 @@ use crate::search::rims;
 use crate::search::tree::Tree;
 use crate::search::witness::{Exact, Witness};
 use crate::spine::Spine;
-use std::time::Instant;
 
 /// Encloses delta, the largest radius for which the solid tube around the spine does not self-intersect
 /// (theory.md, section 2): the thickness of a closed spine, and for an open one the same with its end disks.
@@ -27,7 +27,7 @@ use std::time::Instant;
 /// Both bounds are proved. They never depend on the search having found anything: the search only makes them narrow.
 ///
 /// # Errors
-/// [`ErrorKind::Option`] for a width that is not a positive number, [`ErrorKind::Rounding`] if the processor does not
+/// [`Option`](crate::ErrorKind::Option) for a width that is not a positive number, [`Rounding`](crate::ErrorKind::Rounding) if the processor does not
 /// round as IEEE 754 says.
 ///
 /// ```
@@ -38,14 +38,7 @@ use std::time::Instant;
 /// # Ok::<(), tubecert::Error>(())
 /// ```
 pub fn radius(spine: &Spine, options: &RadiusOptions) -> Result<Radius, Error> {
-    if !(options.rel_width > 0.0 && options.rel_width < 1.0) {
-        let message = format!("the relative width must lie between 0 and 1, not {}", options.rel_width);
-        return Err(Error::new(ErrorKind::Option, message).key("rel_width").help("use for instance 1e-9"));
-    }
-    if !crate::enclosure::rounding_is_sound() {
-        return Err(Error::new(ErrorKind::Rounding, "floating-point rounding does not follow IEEE 754 here")
-            .help("run on real hardware: emulators and valgrind are known to break directed rounding"));
-    }
+    options::check(options.rel_width)?;
     let frame = Frame::new(spine);
     let job = || Job::new(&frame, options);
     let (mut answer, upper) = match &spine.corner {
@@ -119,15 +112,14 @@ struct Bound {
 
 impl<'a> Job<'a> {
     fn new(frame: &'a Frame, options: &'a RadiusOptions) -> Self {
-        let meter = Meter {
-            cells: 0,
-            max_cells: options.max_cells,
-            deadline: options.budget.and_then(|b| Instant::now().checked_add(b)),
-            cancel: options.cancel.clone(),
-            progress: options.progress.clone(),
-            stopped: None,
-        };
-        Self { frame, options, tree: Tree::new(frame), exact: Exact::new(frame), meter, margin: margin(options) }
+        Self {
+            frame,
+            options,
+            tree: Tree::new(frame),
+            exact: Exact::new(frame),
+            meter: options.meter(),
+            margin: margin(options),
+        }
     }
 
     fn run(mut self) -> (Radius, Upper) {

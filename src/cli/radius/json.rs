@@ -1,24 +1,8 @@
 //! The JSON answer of a radius.
 
-use serde::ser::{Error as _, Serialize, SerializeStruct, Serializer};
-use serde_json::value::RawValue;
-use tubecert::number::{lower_text, upper_text};
-use tubecert::{Enclosure, Radius, Spine, SpineEnd};
+use tubecert::{Radius, Spine, SpineEnd};
 
-use crate::cli::json;
-
-/// `{"lo", "hi"}`, each true as the decimal that is printed and as its nearest f64; `null` is +infinity.
-struct E(Enclosure);
-
-impl Serialize for E {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let raw = |text: String| RawValue::from_string(text).map_err(S::Error::custom);
-        let mut pair = serializer.serialize_struct("E", 2)?;
-        pair.serialize_field("lo", &raw(lower_text(self.0.lo))?)?;
-        pair.serialize_field("hi", &raw(upper_text(self.0.hi))?)?;
-        pair.end()
-    }
-}
+use crate::cli::json::{self, E};
 
 #[derive(serde::Serialize)]
 struct RadiusData {

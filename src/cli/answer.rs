@@ -1,0 +1,98 @@
+//! Reads back the JSON answers: what they claim.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde_json::value::RawValue;
+use tubecert::number::{Rational, parse_rational};
+use tubecert::{Curve, ErrorKind, Statement};
+
+/// What is wrong with an answer, and at which key.
+pub struct Wrong {
+    pub kind: &'static str,
+    pub key: Option<String>,
+    pub message: String,
+}
+
+fn wrong(key: &str, what: impl fmt::Display) -> Wrong {
+    Wrong { kind: "answer", key: Some(key.to_string()), message: what.to_string() }
+}
+
+/// What a JSON answer claims of the curve, exactly as its decimals are printed.
+pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
+    let root: &RawValue = serde_json::from_slice(bytes).map_err(|error| Wrong {
+        kind: ErrorKind::Syntax.word(),
+        key: None,
+        message: format!("the answer is not JSON: {error}"),
+    })?;
+    let read = match string(root, "command")?.as_deref() {
+        Some("radius") => radius,
+        _ => return Err(wrong("command", "this is no answer that a certificate can prove")),
+    };
+    if string(root, "curve.digest")? != Some(curve.digest()) {
+        return Err(wrong("curve.digest", "the answer is about another curve"));
+    }
+    if member(root, "schema")? != "1" {
+        return Err(wrong("schema", "this version reads answers of schema 1"));
+    }
+    read(root)
+}
+
+fn radius(root: &RawValue) -> Result<Statement, Wrong> {
+    let [lo, hi] = enclosure(root, "delta")?;
+    Ok(Statement::Radius { lo, hi })
+}
+
+/// The bounds under `path`; `None` is null.
+fn enclosure(root: &RawValue, path: &str) -> Result<[Option<Rational>; 2], Wrong> {
+    let bound = |key: String| match member(root, &key)? {
+        "null" => Ok(None),
+        text if text.starts_with(['-', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9']) => {
+            parse_rational(text).map(Some).map_err(|error| wrong(&key, error.message))
+        }
+        _ => Err(wrong(&key, "the bound is neither a number nor null")),
+    };
+    Ok([bound(format!("{path}.lo"))?, bound(format!("{path}.hi"))?])
+}
+
+/// The string under keys parted by points; `None` if it is no string.
+fn string(root: &RawValue, path: &str) -> Result<Option<String>, Wrong> {
+    Ok(serde_json::from_str(member(root, path)?).ok())
+}
+
+/// The value under keys parted by points, as it is spelled.
+fn member<'a>(root: &'a RawValue, path: &str) -> Result<&'a str, Wrong> {
+    path.split('.').try_fold(root.get(), |value, key| {
+        if !value.starts_with('{') {
+            return Err(wrong(path, "the key is missing"));
+        }
+        let members = serde_json::Deserializer::from_str(value).deserialize_map(Members).map_err(|error| {
+            let kind = if error.is_data() { ErrorKind::DuplicateKey } else { ErrorKind::Syntax };
+            Wrong { kind: kind.word(), ..wrong(path, error) }
+        })?;
+        members.get(key).map(|value| value.get()).ok_or_else(|| wrong(path, "the key is missing"))
+    })
+}
+
+/// Collects the members of a JSON object, their values as they are spelled; refuses a key that stands twice.
+struct Members;
+
+impl<'a> Visitor<'a> for Members {
+    type Value = BTreeMap<String, &'a RawValue>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'a>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut members = BTreeMap::new();
+        while let Some((key, value)) = map.next_entry::<String, _>()? {
+            if members.contains_key(&key) {
+                return Err(A::Error::custom(format_args!("the key {key:?} stands twice in one object")));
+            }
+            members.insert(key, value);
+        }
+        Ok(members)
+    }
+}

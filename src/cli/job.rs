@@ -1,0 +1,89 @@
+//! What the commands that search do alike: load, limit, show progress, write the certificate.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tubecert::{Certificate, Claim, Curve, Error, ErrorKind, Spine, Statement, Stop, verify};
+
+use super::args::Common;
+use super::{Failure, NO_CLAIM, read};
+
+/// The work that one command was started for.
+pub struct Job<'a> {
+    args: &'a Common,
+    file: String,
+    pub spine: Spine,
+    start: Instant,
+    bar: ProgressBar,
+}
+
+impl<'a> Job<'a> {
+    pub fn load(args: &'a Common) -> Result<Self, Box<Failure>> {
+        let start = Instant::now();
+        let file = args.curve.display().to_string();
+        let bytes = read(&args.curve, &file)?;
+        let spine = Curve::from_json_slice(&bytes).and_then(Spine::from_curve);
+        let spine = spine.map_err(|error| Box::new(Failure::of(file.clone(), error)))?;
+        // drawn on a terminal only, and first after a second
+        let bar = ProgressBar::no_length();
+        bar.set_style(
+            ProgressStyle::with_template("{spinner} {human_pos} cells").unwrap_or(ProgressStyle::default_spinner()),
+        );
+        Ok(Self { args, file, spine, start, bar })
+    }
+
+    /// What is to be told of the number of cells done.
+    pub fn progress(&self) -> impl Fn(u64) + Send + Sync + 'static {
+        let (start, bar) = (self.start, self.bar.clone());
+        move |cells| {
+            if start.elapsed() > Duration::from_secs(1) {
+                bar.set_position(cells);
+            }
+        }
+    }
+
+    /// What is left of the budget; without one, as good as for ever.
+    pub fn budget(&self) -> Duration {
+        self.args.budget.map_or(Duration::MAX, |limit| limit.saturating_sub(self.start.elapsed()))
+    }
+
+    /// The answer of the library, or why there is none.
+    pub fn done<T>(&self, answer: Result<T, Error>) -> Result<T, Box<Failure>> {
+        self.bar.finish_and_clear();
+        answer.map_err(|error| Box::new(Failure::of(self.file.clone(), error)))
+    }
+
+    /// Writes the certificate, if it was asked for, once the checker has verified exactly what will be printed.
+    pub fn certify(&self, certificate: Option<&Certificate>, statement: Statement) -> Result<(), Box<Failure>> {
+        let Some(path) = &self.args.certificate else { return Ok(()) };
+        let claim = Claim { curve: self.spine.curve().clone(), statement };
+        replayed(certificate, &claim).and_then(|text| written(path, &text)).map_err(|message| {
+            let width = format!("raise --rel-width (now {:e}), wider bounds need less", self.args.rel_width);
+            let help = Some(format!("nothing is claimed: {width}; or run without --certificate"));
+            let file = Some(path.display().to_string());
+            Box::new(Failure { file, help, ..Failure::new(ErrorKind::Certificate.word(), message, NO_CLAIM) })
+        })
+    }
+
+    /// What to raise to have an answer narrower.
+    pub fn limit(&self, stopped: Option<Stop>) -> String {
+        match (stopped, self.args.budget) {
+            (Some(Stop::MaxCells), _) => format!("raise --max-cells (now {})", self.args.max_cells),
+            (Some(_), Some(limit)) => format!("raise --budget (now {} seconds)", limit.as_secs_f64()),
+            _ => format!("raise --rel-width (now {:e})", self.args.rel_width),
+        }
+    }
+}
+
+/// The text of the certificate, if it proves the claim.
+fn replayed(certificate: Option<&Certificate>, claim: &Claim) -> Result<String, String> {
+    let text = certificate.ok_or("the evidence is too long to be written")?.encode();
+    let certificate = Certificate::decode(text.as_bytes()).map_err(|error| error.to_string())?;
+    let verdict = verify(claim, &certificate);
+    verdict.map(|_| text).map_err(|rejection| format!("the checker rejects the answer: {rejection}"))
+}
+
+fn written(path: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(path, text).map_err(|error| format!("the certificate cannot be written: {error}"))
+}
