@@ -8,7 +8,9 @@
 //! it), [`Interval`] coefficients, and exact [`Int`] coefficients. All answer the same question: [`Form::positive`].
 
 use crate::enclosure::Interval;
-use crate::integer::{Int, decompose, exact_div, ldexp};
+use crate::integer::{Int, decompose, exact_div, lcm, ldexp};
+use num_bigint::BigInt;
+use num_traits::One;
 use std::borrow::Cow;
 
 /// Half an ulp of 1: the relative error of one rounded f64 operation.
@@ -126,7 +128,7 @@ impl<T: Scalar> Form<T> {
         self.combined(other, true)
     }
 
-    fn elevated(&self, ds: usize, dt: usize) -> Cow<'_, Self> {
+    pub(crate) fn elevated(&self, ds: usize, dt: usize) -> Cow<'_, Self> {
         if self.ds == ds && self.dt == dt {
             Cow::Borrowed(self)
         } else {
@@ -272,6 +274,13 @@ impl Form<Int> {
         let ds = p.len() - 1;
         let c = int_binomials(ds).iter().zip(p).map(|(b, p)| b * p).collect();
         Self { ds, dt: 0, exp: 0, c, norm: () }
+    }
+
+    /// The Bernstein (unscaled) coefficients of a univariate form, up to a common positive factor.
+    pub(crate) fn bernstein(&self) -> Vec<Int> {
+        let binomials = int_binomials(self.ds);
+        let common = Int::from(binomials.iter().fold(BigInt::one(), |all, b| lcm(&all, &b.big())));
+        self.c.iter().zip(&binomials).map(|(c, b)| &exact_div(&common, b) * c).collect()
     }
 
     /// The same univariate polynomial, whose true degree is one less, in that degree: `c[k] = q[k] + q[k-1]`.

@@ -2,9 +2,11 @@
 //! is read, from whatever text, is only evidence.
 #![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod pairs;
 mod text;
 
 use crate::number::Rational;
+pub(crate) use pairs::{Evidence as PairsEvidence, Isolated};
 pub use text::{MAX_CERTIFICATE_BYTES, MAX_CERTIFICATE_DIGITS};
 
 /// Evidence for a claim about one curve; the format is docs/certificate-format.md.
@@ -19,6 +21,7 @@ pub struct Certificate {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Evidence {
     Radius(Tube),
+    Pairs(pairs::Evidence),
 }
 
 /// That delta lies in [lo, hi].
@@ -49,6 +52,9 @@ pub(crate) enum Node {
     Bent([i64; 6]),
     Local,
     Share(i64),
+    /// Of pairs: within a box that stands in the certificate; of no rule.
+    Pair(usize),
+    Open,
 }
 
 /// The axis of the cone for `local`, and the tree.

@@ -1,8 +1,11 @@
 //! What is claimed: apart from the evidence, and about a curve that is given with it.
 #![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod pairs;
+
 use crate::curve::Curve;
 use crate::number::Rational;
+pub use pairs::{PairBox, Pairs};
 
 /// A statement about a curve.
 #[derive(Debug, Clone)]
@@ -24,4 +27,6 @@ pub enum Statement {
         /// The upper bound.
         hi: Option<Rational>,
     },
+    /// Which pairs of points are stationary.
+    Pairs(Pairs),
 }

@@ -206,6 +206,7 @@ impl Certificate {
     pub fn claim(&self, curve: Curve) -> Claim {
         let statement = match &self.evidence {
             Evidence::Radius(Tube { lo, hi, .. }) => Statement::Radius { lo: lo.clone(), hi: hi.clone() },
+            Evidence::Pairs(pairs) => Statement::Pairs(pairs.claim.clone()),
         };
         Claim { curve, statement }
     }

@@ -17,6 +17,8 @@ mod integer;
 pub mod number;
 #[cfg(feature = "search")]
 mod options;
+#[cfg(feature = "search")]
+mod pairs;
 mod print;
 #[cfg(feature = "search")]
 mod radius;
@@ -35,6 +37,8 @@ pub use error::{Error, ErrorKind};
 pub use number::Rational;
 #[cfg(feature = "search")]
 pub use options::Enclosure;
+#[cfg(feature = "search")]
+pub use pairs::{Pairs, PairsOptions, StationaryPair, pairs};
 #[cfg(feature = "search")]
 pub use radius::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms, radius};
 #[cfg(feature = "search")]

@@ -1,5 +1,6 @@
 //! The spine: a chain of rational Bezier segments with every hypothesis of theory.md, section 1, checked exactly.
 
+use crate::bernstein::{Form, int_binomials};
 use crate::curve::Curve;
 use crate::error::{Error, ErrorKind};
 use crate::integer::{self, Int, exact_div, gcd, lcm};
@@ -60,9 +61,7 @@ impl Bezier {
     /// Bernstein coefficients of the hodograph r'w - r w', up to a positive factor each, in a degree that may be one
     /// too high.
     fn hodograph(&self) -> Vec<Vec<Int>> {
-        use crate::bernstein::int_binomials;
         let n = self.degree();
-        let outer = int_binomials(2 * n - 1);
         let (bn, bd) = (int_binomials(n), int_binomials(n - 1));
         self.x
             .iter()
@@ -75,10 +74,7 @@ impl Bezier {
                         scaled[i + j] = &scaled[i + j] + &(&(&bd[i] * &bn[j]) * &term);
                     }
                 }
-                // Unscaled coefficients times the product of all binomials: clear the division by C(2n-1, k).
-                let common = outer.iter().fold(BigInt::one(), |l, b| lcm(&l, &b.big()));
-                let common = Int::from(common);
-                scaled.iter().zip(&outer).map(|(c, b)| &exact_div(&common, b) * c).collect()
+                Form { ds: 2 * n - 1, dt: 0, exp: 0, c: scaled, norm: () }.bernstein()
             })
             .collect()
     }
@@ -253,7 +249,7 @@ fn exact_list(key: &str, list: Option<&[f64]>) -> Result<Option<Vec<Rational>>, 
 }
 
 /// Parallel and pointing the same way, exactly.
-fn same_direction(a: &[Int; 3], b: &[Int; 3]) -> bool {
+pub(crate) fn same_direction(a: &[Int; 3], b: &[Int; 3]) -> bool {
     let cross_is_zero = [(1, 2), (2, 0), (0, 1)].iter().all(|&(i, j)| &a[i] * &b[j] == &a[j] * &b[i]);
     cross_is_zero && integer::dot(a, b).sign() == Ordering::Greater
 }

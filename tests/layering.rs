@@ -14,7 +14,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("print", &["error", "number"]),
     // certificate, claim: to propose a claim
     ("construct", &["certificate", "claim", "curve", "error", "number", "print"]),
-    ("certificate", &["error", "number"]),
+    ("certificate", &["claim", "error", "number"]),
     ("claim", &["curve", "number"]),
     ("check", &["certificate", "claim", "curve", "error", "number"]),
     ("integer", &[]),
@@ -22,9 +22,10 @@ const TABLE: &[(&str, &[&str])] = &[
     ("bernstein", &["enclosure", "integer"]),
     ("roots", &["bernstein", "error", "integer", "number"]),
     ("spine", &["bernstein", "curve", "error", "integer", "number", "roots"]),
-    ("search", &["bernstein", "certificate", "enclosure", "integer", "number", "search", "spine"]),
+    ("search", &["bernstein", "certificate", "enclosure", "integer", "number", "roots", "search", "spine"]),
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
+    ("pairs", &["certificate", "claim", "curve", "error", "number", "options", "search", "spine"]),
     ("radius", &["certificate", "check", "curve", "error", "number", "options", "search", "spine"]),
 ];
 

@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, EndTree, Evidence, Foot, Node, Tube, Upper};
+use super::{Certificate, EndTree, Evidence, Foot, Node, PairsEvidence, Tube, Upper};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -45,6 +45,7 @@ impl Certificate {
     pub fn encode(&self) -> String {
         let (kind, text) = match &self.evidence {
             Evidence::Radius(tube) => ("radius", tube.encode()),
+            Evidence::Pairs(pairs) => ("pairs", pairs.encode()),
         };
         format!("{HEAD} {kind}\ncurve {}\n{text}end\n", self.digest)
     }
@@ -56,11 +57,12 @@ impl Certificate {
                 let ends = ends.iter().flatten().map(|(_, nodes)| nodes);
                 counted([along].into_iter().chain(pairs).chain(ends).flatten())
             }
+            Evidence::Pairs(pairs) => counted(pairs.along.iter().chain(&pairs.tree)),
         }
     }
 }
 
-pub(super) fn counted<'a>(nodes: impl Iterator<Item = &'a Node>) -> BTreeMap<&'static str, usize> {
+fn counted<'a>(nodes: impl Iterator<Item = &'a Node>) -> BTreeMap<&'static str, usize> {
     let mut leaves = BTreeMap::new();
     for node in nodes.filter(|node| !matches!(node, Node::Split | Node::SplitFirst | Node::SplitSecond)) {
         *leaves.entry(node.name()).or_default() += 1;
@@ -126,6 +128,8 @@ impl Node {
             Self::Bent(_) => "bent",
             Self::Local => "local",
             Self::Share(_) => "share",
+            Self::Pair(_) => "pair",
+            Self::Open => "open",
         }
     }
 }
@@ -138,6 +142,7 @@ impl Display for Node {
             Self::Side([x, y]) => write!(f, " {x} {y}"),
             Self::Bent(fields) => fields.iter().try_for_each(|field| write!(f, " {field}")),
             Self::Share(k) => write!(f, " {k}"),
+            Self::Pair(k) => write!(f, " {k}"),
             _ => Ok(()),
         }
     }
@@ -149,7 +154,7 @@ fn undecodable(line: usize, what: impl Display) -> Error {
 }
 
 /// The lines of a text, read loosely: that the spelling is canonical is checked by writing it again.
-struct Lines<'a> {
+pub(super) struct Lines<'a> {
     rest: std::iter::Peekable<std::str::Split<'a, char>>,
     number: usize,
 }
@@ -160,7 +165,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The fields of the next line after the words it must start with.
-    fn after(&mut self, words: &str) -> Result<Vec<&'a str>, Error> {
+    pub(super) fn after(&mut self, words: &str) -> Result<Vec<&'a str>, Error> {
         self.number += 1;
         let line = self.rest.next().unwrap_or("");
         let rest = line.strip_prefix(words).ok_or_else(|| self.error(format_args!("wanted {words:?}")))?;
@@ -175,6 +180,7 @@ impl<'a> Lines<'a> {
         }
         let evidence = match kind {
             "radius" => Evidence::Radius(self.tube()?),
+            "pairs" => Evidence::Pairs(PairsEvidence::decode(self)?),
             _ => return Err(undecodable(1, format_args!("this version knows no certificates of {}", excerpt(kind)))),
         };
         self.after("end")?;
@@ -188,20 +194,24 @@ impl<'a> Lines<'a> {
         let along = self.nodes();
         let bounded = lo.as_ref().is_some_and(|lo| !lo.is_zero());
         let pairs = if bounded { Some(self.after("pairs").map(|_| self.nodes())?) } else { None };
-        let open = self.rest.peek().is_some_and(|line| line.starts_with("start"));
+        let open = self.starts_with("start");
         let ends = if bounded && open { Some([self.end_tree("start")?, self.end_tree("finish")?]) } else { None };
         let upper = self.upper()?;
         Ok(Tube { lo, hi, along, pairs, ends, upper })
     }
 
-    fn fields<const N: usize>(&mut self, words: &str) -> Result<[&'a str; N], Error> {
+    pub(super) fn fields<const N: usize>(&mut self, words: &str) -> Result<[&'a str; N], Error> {
         let fields = self.after(words)?;
         let found = fields.len();
         fields.try_into().map_err(|_| self.error(format_args!("{found} fields after {words:?}; wanted {N}")))
     }
 
+    pub(super) fn starts_with(&mut self, word: &str) -> bool {
+        self.rest.peek().is_some_and(|line| line.starts_with(word))
+    }
+
     /// The nodes up to the first line that is none.
-    fn nodes(&mut self) -> Vec<Node> {
+    pub(super) fn nodes(&mut self) -> Vec<Node> {
         let mut nodes = vec![];
         while let Some(node) = self.rest.peek().and_then(|line| node(line)) {
             nodes.push(node);
@@ -226,7 +236,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    fn rationals<const N: usize>(&self, fields: [&str; N]) -> Result<[Rational; N], Error> {
+    pub(super) fn rationals<const N: usize>(&self, fields: [&str; N]) -> Result<[Rational; N], Error> {
         let mut all = std::array::from_fn(|_| Rational::zero());
         for (place, text) in all.iter_mut().zip(fields) {
             *place = self.rational(text)?;
@@ -234,7 +244,7 @@ impl<'a> Lines<'a> {
         Ok(all)
     }
 
-    fn rational(&self, text: &str) -> Result<Rational, Error> {
+    pub(super) fn rational(&self, text: &str) -> Result<Rational, Error> {
         let integer = |text: &str| {
             if text.strip_prefix('-').unwrap_or(text).len() > MAX_CERTIFICATE_DIGITS {
                 let what = format_args!("line {}: a number of {} characters", self.number, text.len());
@@ -307,6 +317,8 @@ fn node(line: &str) -> Option<Node> {
         ("bent", rest) => Node::Bent(whole(rest)?),
         ("local", []) => Node::Local,
         ("share", [k]) => Node::Share(k.parse().ok()?),
+        ("pair", [k]) => Node::Pair(k.parse().ok()?),
+        ("open", []) => Node::Open,
         _ => return None,
     })
 }

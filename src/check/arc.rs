@@ -14,7 +14,7 @@ use crate::curve::Curve;
 use crate::number::{Rational, same};
 
 /// No part is deeper than so many halvings, so positions are integers over 2^DEPTH.
-const DEPTH: usize = 512;
+pub(super) const DEPTH: usize = 512;
 /// The halves of so many pieces are kept for the next pair that may want them.
 const KEPT: usize = 2048;
 

@@ -4,8 +4,11 @@
 #![deny(clippy::indexing_slicing, clippy::unimplemented, clippy::todo)]
 
 mod arc;
+mod field;
+mod pairs;
 mod poly;
 mod radius;
+mod range;
 mod rules;
 #[cfg(test)]
 mod tests;
@@ -53,6 +56,8 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
     let spine = Spine::of(&claim.curve);
     match (&claim.statement, &certificate.evidence) {
         (Statement::Radius { lo, hi }, Evidence::Radius(tube)) => radius::verify(&spine, [lo, hi], tube)?,
+        (Statement::Pairs(pairs), Evidence::Pairs(found)) => pairs::verify(&spine, &claim.curve, pairs, found)?,
+        _ => return Err(Rejection::of("claim", "the certificate is for another kind of claim")),
     }
     Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves: certificate.leaves() })
 }

@@ -5,8 +5,9 @@ use num_traits::Zero;
 
 use super::arc::Spine;
 use super::poly::Poly;
+use super::rules::{bent, positive, side, slab};
 use super::{Rejection, upper, walk, wanted};
-use crate::certificate::Tube;
+use crate::certificate::{Node, Tube};
 use crate::number::{Rational, compare};
 
 /// Whether `a` <= `b`; `None` is +infinity. A caller's number may have any denominator, and `compare` wants positive ones.
@@ -27,14 +28,14 @@ pub(super) fn verify(
     wanted(at_most(claim_lo.as_ref(), lo), "lo", "the claim is more than what the certificate proves")?;
     wanted(at_most(hi, claim_hi.as_ref()), "hi", "the claim is less than what the certificate proves")?;
 
-    let positive = lo.is_none_or(|lo| !lo.is_zero());
+    let more = lo.is_none_or(|lo| !lo.is_zero());
     let smooth = || (1..spine.spans.len()).all(|joint| spine.is_smooth(joint));
-    wanted(!positive || smooth(), "lo", "a joint is not smooth")?;
+    wanted(!more || smooth(), "lo", "a joint is not smooth")?;
     // the ends of an open spine then are two points: with b = 0 as C runs straight on; with pairs as no other rule than
     // `cone` closes a pair with D = 0, and C goes on along its axis. And with b = 0 no witness stands for hi < inf
     let straight = || spine.spans.iter().all(|span| span.wb().iter().all(Poly::is_zero));
     wanted(lo.is_some() || straight(), "lo", "the spine is not straight")?;
-    let bounded = positive && lo.is_some();
+    let bounded = more && lo.is_some();
     wanted(pairs.is_some() == bounded, "pairs", "there must be pairs iff lo is > 0 and not inf")?;
     let open = bounded && !spine.closed;
     wanted(ends.is_some() == open, "start", "there must be ends iff lo is > 0 and not inf and the spine is open")?;
@@ -42,7 +43,12 @@ pub(super) fn verify(
     let r = lo.unwrap_or(&zero).pow(2);
     walk::along(spine, &r, along)?;
     if let Some(pairs) = pairs {
-        walk::pairs(spine, &r, pairs)?;
+        walk::pairs(spine, "pairs", pairs, |node, a, b| match node {
+            Node::Slab(g) => slab(a, b, g, &r),
+            Node::Side(fields) => side(walk::one(a)?, walk::one(b)?, *fields),
+            Node::Bent(fields) => positive(&bent(walk::one(a)?, walk::one(b)?, *fields, &r)?),
+            _ => Err(walk::MISPLACED),
+        })?;
     }
     if let Some([start, finish]) = ends {
         walk::end(spine, &r, false, start)?;

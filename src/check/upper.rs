@@ -57,7 +57,7 @@ fn apart(spine: &Spine, [first, last]: [&Rational; 2], [next, end]: [&Rational; 
     check(apart, "the two are not apart on the spine")
 }
 
-fn place(spine: &Spine, position: &Rational) -> Result<Rc<Piece>, Why> {
+pub(super) fn place(spine: &Spine, position: &Rational) -> Result<Rc<Piece>, Why> {
     let count = BigInt::from(spine.spans.len());
     let [from, to] = if spine.closed { [-1, 2] } else { [0, 1] }.map(|turns| Rational::from(&count * turns));
     check(within(position, &from, &to), "a position is out of range")?;

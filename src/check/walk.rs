@@ -4,11 +4,11 @@ use num_traits::{One, Zero};
 
 use super::Rejection;
 use super::arc::{Arc, Piece, Spine};
-use super::rules::{Why, bent, check, cone, curved, positive, share, side, slab};
+use super::rules::{Why, check, cone, curved, positive, share, slab};
 use crate::certificate::{EndTree, Node};
 use crate::number::Rational;
 
-const MISPLACED: Why = "the rule does not belong here";
+pub(super) const MISPLACED: Why = "the rule does not belong here";
 
 enum Pair {
     Same(Arc),
@@ -39,9 +39,15 @@ pub(super) fn along(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), R
     })
 }
 
-pub(super) fn pairs(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), Rejection> {
+/// The leaves of pairs of one arc are `cone` and `open`.
+pub(super) fn pairs(
+    spine: &Spine,
+    section: &'static str,
+    nodes: &[Node],
+    mut leaf: impl FnMut(&Node, &Arc, &Arc) -> Result<(), Why>,
+) -> Result<(), Rejection> {
     use Pair::{Same, Two};
-    tree("pairs", nodes, Same(spine.spans.clone()), |node, pair| {
+    tree(section, nodes, Same(spine.spans.clone()), |node, pair| {
         match (node, &pair) {
             (Node::Split, Same(a)) => {
                 let [first, second] = spine.halves(a)?;
@@ -54,9 +60,8 @@ pub(super) fn pairs(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), R
                 check(spine.touch(a, b), "the arcs do not touch")?;
                 cone(a, g).and_then(|()| cone(b, g))
             }
-            (Node::Slab(g), Two(a, b)) => slab(a, b, g, r),
-            (Node::Side(fields), Two(a, b)) => side(one(a)?, one(b)?, *fields),
-            (Node::Bent(fields), Two(a, b)) => positive(&bent(one(a)?, one(b)?, *fields, r)?),
+            (Node::Open, Same(a)) => leaf(node, a, a),
+            (_, Two(a, b)) => leaf(node, a, b),
             _ => Err(MISPLACED),
         }?;
         Ok(vec![])
@@ -85,6 +90,6 @@ pub(super) fn end(spine: &Spine, r: &Rational, finish: bool, (axis, nodes): &End
     })
 }
 
-fn one(arc: &Arc) -> Result<&Piece, Why> {
+pub(super) fn one(arc: &Arc) -> Result<&Piece, Why> {
     if let [piece] = &**arc { Ok(piece) } else { Err("the arc is more than one piece") }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
+use tubecert::claim::{PairBox, Pairs};
 use tubecert::number::{Rational, parse_rational};
 use tubecert::{Curve, ErrorKind, Statement};
 
@@ -28,6 +29,7 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
     })?;
     let read = match string(root, "command")?.as_deref() {
         Some("radius") => radius,
+        Some("pairs") => pairs,
         _ => return Err(wrong("command", "this is no answer that a certificate can prove")),
     };
     if string(root, "curve.digest")? != Some(curve.digest()) {
@@ -42,6 +44,27 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
 fn radius(root: &RawValue) -> Result<Statement, Wrong> {
     let [lo, hi] = enclosure(root, "delta")?;
     Ok(Statement::Radius { lo, hi })
+}
+
+fn pairs(root: &RawValue) -> Result<Statement, Wrong> {
+    let list = |key: &str| {
+        let items: Vec<&RawValue> = serde_json::from_str(member(root, key)?).map_err(|error| wrong(key, error))?;
+        let pair = |item: &&RawValue| {
+            let range = |key: &str| match enclosure(item, key)? {
+                [Some(lo), Some(hi)] => Ok([lo, hi]),
+                _ => Err(wrong(key, "a parameter is infinite")),
+            };
+            let [lo, hi] = enclosure(item, "distance")?;
+            let lo = lo.ok_or_else(|| wrong("distance.lo", "a distance is infinite"))?;
+            Ok(PairBox { s: range("s")?, t: range("t")?, distance: (lo, hi) })
+        };
+        items.iter().map(pair).collect::<Result<Vec<_>, Wrong>>()
+    };
+    let (pairs, undecided) = (list("pairs")?, list("undecided")?);
+    if member(root, "complete")? == "true" && !undecided.is_empty() {
+        return Err(wrong("complete", "it is true, but something is undecided"));
+    }
+    Ok(Statement::Pairs(Pairs { pairs, undecided }))
 }
 
 /// The bounds under `path`; `None` is null.

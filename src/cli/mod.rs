@@ -8,6 +8,8 @@ mod enclosed;
 mod job;
 mod json;
 #[cfg(feature = "search")]
+mod pairs;
+#[cfg(feature = "search")]
 mod radius;
 mod text;
 mod verify;
@@ -60,6 +62,8 @@ pub fn main() -> ExitCode {
     match args.command {
         #[cfg(feature = "search")]
         Command::Radius(args) => say(radius::run(&args), args.common.json),
+        #[cfg(feature = "search")]
+        Command::Pairs(args) => say(pairs::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write

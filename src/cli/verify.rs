@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
-use tubecert::claim::{Claim, Statement};
+use tubecert::claim::{Claim, PairBox, Pairs, Statement};
 use tubecert::number::{Rational, decimal_text, to_fraction_text};
 
 use super::answer::{self, Wrong};
@@ -115,7 +115,41 @@ struct ClaimData {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum StatementData {
-    Radius { lo: Option<Bound>, hi: Option<Bound> },
+    Radius(Range),
+    Pairs { pairs: Vec<PairData>, undecided: Vec<PairData>, complete: bool },
+}
+
+#[derive(Serialize)]
+struct Range {
+    lo: Option<Bound>,
+    hi: Option<Bound>,
+}
+
+#[derive(Serialize)]
+struct PairData {
+    s: Range,
+    t: Range,
+    distance: Range,
+}
+
+impl StatementData {
+    fn of(statement: &Statement) -> (&'static str, Self) {
+        fn range(lo: Option<&Rational>, hi: Option<&Rational>) -> Range {
+            Range { lo: bound(lo), hi: bound(hi) }
+        }
+        let pair = |pair: &PairBox| {
+            let [s, t] = [&pair.s, &pair.t].map(|[lo, hi]| range(Some(lo), Some(hi)));
+            PairData { s, t, distance: range(Some(&pair.distance.0), pair.distance.1.as_ref()) }
+        };
+        match statement {
+            Statement::Radius { lo, hi } => ("radius", Self::Radius(range(lo.as_ref(), hi.as_ref()))),
+            Statement::Pairs(claimed) => {
+                let [pairs, undecided] = [&claimed.pairs, &claimed.undecided].map(|all| all.iter().map(pair).collect());
+                ("pairs", Self::Pairs { pairs, undecided, complete: claimed.undecided.is_empty() })
+            }
+            other => unreachable!("a claim without words: {other:?}"),
+        }
+    }
 }
 
 fn as_json(claim: &Claim, verdict: &Verdict) -> String {
@@ -124,12 +158,7 @@ fn as_json(claim: &Claim, verdict: &Verdict) -> String {
         Verdict::Rejected(rejection) => ("rejected", Some(rejection.to_string())),
         Verdict::Undecided(limit) => ("undecided", Some(too_long(*limit))),
     };
-    let (kind, statement) = match &claim.statement {
-        Statement::Radius { lo, hi } => {
-            ("radius", StatementData::Radius { lo: bound(lo.as_ref()), hi: bound(hi.as_ref()) })
-        }
-        _ => ("unknown", StatementData::Radius { lo: None, hi: None }),
-    };
+    let (kind, statement) = StatementData::of(&claim.statement);
     let data =
         VerdictData { verdict: word, claim: ClaimData { kind, curve_digest: claim.curve.digest(), statement }, reason };
     json::answer("verify", &claim.curve, data)
@@ -165,6 +194,14 @@ fn claimed(claim: &Claim) -> String {
         Statement::Radius { lo, hi } => {
             format!("delta = {} .. {}        ({})\n", number(lo), number(hi), unit(&claim.curve))
         }
+        Statement::Pairs(Pairs { pairs, undecided }) if undecided.is_empty() => {
+            format!("the spine has exactly {} stationary pairs, one in each of the boxes claimed\n", pairs.len())
+        }
+        Statement::Pairs(Pairs { pairs, undecided }) => format!(
+            "{} stationary pairs, one in each of the boxes claimed; all others lie in {} undecided boxes\n",
+            pairs.len(),
+            undecided.len()
+        ),
         _ => String::new(),
     }
 }

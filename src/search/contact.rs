@@ -1,10 +1,11 @@
 //! W4 of theory.md, section 2: proved self-contacts; and the existence of doubly critical pairs. Exact.
 
 use super::dyadic::{Dyadic, least_f64, ratio, rounded_quotient, step, truncated};
-use super::frame::{At, ExactForms, Frame};
+use super::frame::{At, Frame};
 use super::newton::Candidate;
+use super::strand::{Strand, over, strand};
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
-use crate::bernstein::{Form, Vec3, dot};
+use crate::bernstein::{Form, dot};
 use crate::certificate::{Foot, Upper};
 use crate::integer::{self, Int, exact_div, gcd, lcm};
 use crate::number::{Rational, compare, same};
@@ -21,14 +22,6 @@ pub(crate) struct Touch {
     pub(crate) points: Option<Vec<[Rational; 3]>>,
     /// As docs/certificate-format.md has it.
     pub(crate) upper: Upper,
-}
-
-/// A short stretch of the spine, cut where it steps over a joint. The homogeneous points of the arcs agree at the joint,
-/// and their hodographs times `pace` too, so that D, D.a(s) and D.a(t) are continuous across it.
-struct Strand {
-    ends: [At; 2],
-    arcs: Vec<Bezier>,
-    pace: Vec<Int>,
 }
 
 impl Exact<'_> {
@@ -190,27 +183,6 @@ impl Exact<'_> {
     }
 }
 
-/// The exact arcs of a stretch of less than one segment, from a parameter that may be below 0 to one that may be above 1:
-/// across a joint or the closure then; `None` beyond an end of an open spine.
-fn strand(frame: &Frame, segment: usize, from: &Dyadic, to: &Dyadic) -> Option<Strand> {
-    let at = |t: &Dyadic| frame.step(&At { segment, t: Dyadic::ZERO }, t);
-    let ends = [at(from)?, at(to)?];
-    let cut = |segment: usize, from: &Dyadic, to: &Dyadic| frame.segments[segment].arc(from, to);
-    if from.m.sign().is_ge() && to.cmp(&Dyadic::ONE).is_le() {
-        return Some(Strand { ends, arcs: vec![cut(segment, from, to)], pace: vec![Int::ONE] });
-    }
-    let before = cut(ends[0].segment, &ends[0].t, &Dyadic::ONE);
-    let after = cut(ends[1].segment, &Dyadic::ZERO, &ends[1].t);
-    let (last, first) = (before.weight(before.degree()).clone(), after.weight(0).clone());
-    let arcs = vec![times(before, &first), times(after, &last)];
-    let (u, v) = (arcs[0].end_tangent(true), arcs[1].end_tangent(false));
-    let along = (0..3).find(|&k| !u[k].is_zero())?;
-    // end tangents are a(1) / n and a(0) / n
-    let [m, n] = [&arcs[0], &arcs[1]].map(|arc| Int::from(arc.degree() as i64));
-    let pace = vec![&v[along].abs() * &n, &u[along].abs() * &m];
-    Some(Strand { ends, arcs, pace })
-}
-
 /// The witness of a crossing, its arcs in the order of the spine.
 fn crossing(frame: &Frame, strands: [&Strand; 2], normal: [Rational; 3], rows: [[Rational; 3]; 2]) -> Upper {
     let arcs = strands.map(|strand| {
@@ -274,13 +246,6 @@ fn through_mirror(x: &Bezier, y: &Bezier) -> Option<[Int; 3]> {
     })
 }
 
-fn times(mut arc: Bezier, factor: &Int) -> Bezier {
-    for c in arc.x.iter_mut().flatten().chain(&mut arc.w) {
-        *c = &*c * factor;
-    }
-    arc
-}
-
 fn touch(s: &Strand, t: &Strand, upper: Upper) -> Touch {
     // w > 0 at both ends, but a control weight of a long arc may not be: then no box is given
     let point = |arc: &Bezier, i: usize| {
@@ -289,25 +254,6 @@ fn touch(s: &Strand, t: &Strand, upper: Upper) -> Touch {
     };
     let points = s.arcs.iter().flat_map(|arc| (0..=arc.degree()).map(move |i| point(arc, i))).collect();
     Touch { s: s.ends.clone(), t: t.ends.clone(), points, upper }
-}
-
-/// A map of two components on every pair of arcs of two strands, from D, a(s) and a(t): continuous across the joints.
-fn over(
-    x: &Strand,
-    y: &Strand,
-    map: impl Fn(&Vec3<Int>, &Vec3<Int>, &Vec3<Int>) -> [Form<Int>; 2],
-) -> Vec<Vec<[Form<Int>; 2]>> {
-    let forms = |strand: &Strand, other: bool| -> Vec<ExactForms> {
-        let paced = |(arc, pace): (&Bezier, &Int)| {
-            let forms = if other { arc.forms().transposed() } else { arc.forms() };
-            let factor = Form::from_bernstein(std::slice::from_ref(pace));
-            ExactForms { a: forms.a.map(|a| a.mul(&factor)), ..forms }
-        };
-        strand.arcs.iter().zip(&strand.pace).map(paced).collect()
-    };
-    let (xs, ys) = (forms(x, false), forms(y, true));
-    let pair = |fx: &ExactForms, fy: &ExactForms| map(&fx.difference(fy), &fx.a, &fy.a);
-    xs.iter().map(|fx| ys.iter().map(|fy| pair(fx, fy)).collect()).collect()
 }
 
 /// Miranda: for some Y and G = Y (F1, F2), G1 has opposite strict signs on the faces s = 0 and s = 1 of a square, G2 on

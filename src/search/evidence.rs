@@ -258,7 +258,7 @@ fn model(tree: &Tree, x: &Cell, y: &Cell) -> Option<Model> {
 }
 
 /// An axis about which all tangents of the cones are within 45 degrees, in few digits if that is surely so.
-fn axis_of(cones: &[&Cone]) -> [i64; 3] {
+pub(super) fn axis_of(cones: &[&Cone]) -> [i64; 3] {
     let both = cones.iter().skip(1).fold(*cones[0], |all, cone| all.with(cone));
     let fits = |axis: &[i64; 3]| {
         let axis = unit(&axis.map(|x| x as f64));

@@ -146,9 +146,9 @@ fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> 
 pub(crate) struct Gap<'c> {
     x: &'c Cell,
     y: &'c Cell,
-    d: Vec3<f64>,
-    ds: Form<f64>,
-    dt: Form<f64>,
+    pub(crate) d: Vec3<f64>,
+    pub(crate) ds: Form<f64>,
+    pub(crate) dt: Form<f64>,
 }
 
 impl<'c> Gap<'c> {

@@ -1,6 +1,7 @@
 //! The hierarchy of arcs: blocks of spans above, dyadic cells of one span below, each with a ball round the arc and a
 //! cone round its tangents. All f64, every bound with its rounding (docs/rounding.md). Nodes are made when first asked for.
 
+use super::dyadic::Dyadic;
 use super::frame::Frame;
 use crate::bernstein::{Form, UNIT, Vec3};
 use crate::integer::Int;
@@ -37,8 +38,16 @@ pub(crate) const MAX_DEPTH: u32 = 110;
 /// A place on the spine: joint-exact, comparable. `fraction` is in units of 2^-MAX_DEPTH.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place {
-    segment: usize,
+    pub(crate) segment: usize,
     fraction: u128,
+}
+
+impl Place {
+    /// Segment + local parameter.
+    pub(crate) fn position(self) -> Dyadic {
+        let fraction = Dyadic { m: Int::from(num_bigint::BigInt::from(self.fraction)), e: -i64::from(MAX_DEPTH) };
+        Dyadic { m: Int::from(self.segment as i64), e: 0 }.add(&fraction)
+    }
 }
 
 pub(crate) type Id = u32;

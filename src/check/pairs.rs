@@ -1,0 +1,225 @@
+//! The claim about all stationary pairs: docs/certificate-format.md, section 7. F = (D.a(s), D.a(t)) has one zero in each box
+//! and none elsewhere. Boxes are in positions; those of an open spine may reach beyond its ends, where its polynomials go on.
+
+use std::rc::Rc;
+
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_traits::{One, Signed, ToPrimitive, Zero};
+
+use super::arc::{Arc, DEPTH, Piece, Spine};
+use super::field::{Field, Net};
+use super::poly::{Poly, dot, paired};
+use super::range::Range;
+use super::rules::{Why, check, side};
+use super::upper::place;
+use super::{Rejection, walk};
+use crate::certificate::{Node, PairsEvidence};
+use crate::claim::{PairBox, Pairs};
+use crate::curve::Curve;
+use crate::number::{Rational, compare, same};
+
+type Square = [Range; 2];
+
+/// Whether the evidence proves what is claimed.
+pub(super) fn verify(spine: &Spine, curve: &Curve, claim: &Pairs, evidence: &PairsEvidence) -> Result<(), Rejection> {
+    let wrong = |number, why| Rejection::of("claim", why).at(number, &"pair");
+    let numbers = |c: &PairBox| {
+        c.s.iter().chain(&c.t).chain([&c.distance.0]).chain(&c.distance.1).all(|x| x.denom().is_positive())
+    };
+    if !claim.pairs.iter().chain(&claim.undecided).all(numbers) {
+        return Err(wrong(0, "a number has no positive denominator"));
+    }
+    walk::along(spine, &Rational::zero(), &evidence.along)?;
+    let line = Line::of(spine, curve);
+    let (mut boxes, mut on_spine) = (vec![], vec![]);
+    for (isolated, number) in evidence.isolated.iter().zip(1..) {
+        let squares = [&isolated.outer, &isolated.inner].map(|square| square.each_ref().map(Range::of));
+        let on = alone(&line, &squares).and_then(|()| line.holds(&squares[1]));
+        if on.map_err(|why| Rejection::of("alone", why).at(number, &"box"))? {
+            on_spine.push(squares.clone());
+        }
+        boxes.push(squares);
+    }
+    for (number, ([outer, inner], claimed)) in on_spine.iter().zip(&claim.pairs).enumerate() {
+        let others = on_spine.iter().skip(number + 1);
+        let distinct = others.into_iter().all(|[_, other]| !line.some(inner, other, |a, b| a.meets(b)));
+        let place = line.square(claimed);
+        let fits = line.some(inner, &place, Range::is_inside) && line.some(&place, outer, Range::is_inside);
+        let told = check(distinct, "two boxes may hold the same pair").and_then(|()| {
+            check(fits, "the place claimed is not around the pair, or not in the box where it is alone")
+        });
+        told.and_then(|()| line.distance(inner, claimed)).map_err(|why| wrong(number + 1, why))?;
+    }
+    if on_spine.len() != claim.pairs.len() {
+        return Err(wrong(on_spine.len(), "the pairs claimed are not as many as those proved"));
+    }
+    let undecided: Vec<_> = claim.undecided.iter().map(|claimed| (line.square(claimed), claimed)).collect();
+    walk::pairs(spine, "tree", &evidence.tree, |node, a, b| {
+        let cell = [positions(a).ok_or("the arc is empty")?, positions(b).ok_or("the arc is empty")?];
+        let inside = |square: &Square| line.some(&cell, square, Range::is_inside);
+        match node {
+            Node::Side(fields) => side(walk::one(a)?, walk::one(b)?, *fields),
+            Node::Pair(k) => check(boxes.get(*k).is_some_and(|[outer, _]| inside(outer)), "the cell is not in the box"),
+            Node::Open => {
+                let unknown = |(lo, hi): &(Rational, Option<Rational>)| lo.is_zero() && hi.is_none();
+                let told = |(place, claimed): &(Square, &PairBox)| {
+                    inside(place) && (unknown(&claimed.distance) || line.distance(&cell, claimed).is_ok())
+                };
+                check(undecided.iter().any(told), "the cell is not in what is called undecided")
+            }
+            _ => Err(walk::MISPLACED),
+        }
+    })
+}
+
+fn positions(arc: &Arc) -> Option<Range> {
+    let at = |place: &BigInt| Rational::new(place.clone(), BigInt::one() << DEPTH);
+    Some(Range { lo: at(&arc.first()?.from), hi: at(&arc.last()?.to) })
+}
+
+/// The spine as a line of positions.
+struct Line<'a> {
+    spine: &'a Spine,
+    knots: Vec<&'a Rational>,
+    count: Rational,
+}
+
+/// A piece, its length in positions, and the factors of (r, w) and of a by which they are continuous from part to part.
+struct Part {
+    piece: Rc<Piece>,
+    size: Range,
+    point: Rational,
+    tangent: Rational,
+}
+
+impl<'a> Line<'a> {
+    fn of(spine: &'a Spine, curve: &'a Curve) -> Self {
+        let mut knots: Vec<_> =
+            curve.knots().iter().take(curve.control_points().len() + 1).skip(curve.degree()).collect();
+        knots.dedup_by(|a, b| same(a, b));
+        Self { spine, knots, count: BigInt::from(spine.spans.len()).into() }
+    }
+
+    /// Whether something is true of the ranges of two squares, the second one swapped or not and moved by whole turns or not.
+    fn some(&self, [s, t]: &Square, [u, v]: &Square, is: fn(&Range, &Range) -> bool) -> bool {
+        let turns = if self.spine.closed { [0, 1, -1].as_slice() } else { &[0] };
+        let turn = |turn: &i64| Range::point(&(&self.count * BigInt::from(*turn)));
+        let of = |a: &Range, b: &Range| turns.iter().any(|k| is(a, &(b + &turn(k))));
+        (of(s, u) && of(t, v)) || (of(s, v) && of(t, u))
+    }
+
+    fn square(&self, claimed: &PairBox) -> Square {
+        [&claimed.s, &claimed.t].map(|[from, to]| Range { lo: self.position(from), hi: self.position(to) })
+    }
+
+    /// Span + local parameter. A closed spine goes round, else the first span and the last go on.
+    fn position(&self, t: &Rational) -> Rational {
+        let ([start, .., end], last) = (self.knots.as_slice(), self.knots.len().saturating_sub(2)) else {
+            return t.clone();
+        };
+        let period = *end - *start;
+        let turn = if self.spine.closed { ((t - *start) / &period).floor() } else { Rational::zero() };
+        let local = t - &turn * period;
+        let span = self.knots.partition_point(|knot| compare(knot, &local).is_le()).saturating_sub(1).min(last);
+        let around = self.knots.get(span).zip(self.knots.get(span + 1));
+        around.map_or(turn.clone(), |(from, to)| (local - *from) / (*to - *from))
+            + BigInt::from(span)
+            + turn * &self.count
+    }
+
+    /// Whether a square is on the spine; if not it must be beyond an end.
+    fn holds(&self, square: &Square) -> Result<bool, Why> {
+        let whole = Range { lo: Rational::zero(), hi: self.count.clone() };
+        let on = self.spine.closed || square.iter().all(|range| range.is_inside(&whole));
+        let beyond = || square.iter().any(|range| !range.meets(&whole));
+        check(on || beyond(), "the pair may be on the spine or beyond its end").map(|()| on)
+    }
+
+    fn parts(&self, range: &Range) -> Result<Vec<Part>, Why> {
+        let size = &range.hi - &range.lo;
+        check(!size.is_negative() && compare(&size, &BigInt::from(1).into()).is_le(), "a range is longer than a span")?;
+        let whole =
+            |x: Rational| if self.spine.closed { x } else { x.max(Rational::zero()).min(&self.count - BigInt::one()) };
+        let first = whole(range.lo.floor()).to_integer();
+        let last = whole(range.hi.ceil() - BigInt::one()).to_integer().max(first.clone());
+        let mut parts: Vec<Part> = vec![];
+        let mut k = first.clone();
+        while k <= last {
+            let index = k.mod_floor(self.count.numer()).to_usize().unwrap_or_default();
+            let from = if k == first { &range.lo - &k } else { Rational::zero() };
+            let to = if k == last { &range.hi - &k } else { Rational::one() };
+            let piece = self.spine.spans.get(index).ok_or("there is no such span")?.part(&from, &to);
+            let (mut point, mut tangent) = (Rational::one(), Rational::one());
+            if let Some(before) = parts.last() {
+                check(self.spine.is_smooth(index), "a box steps over a corner")?;
+                let (p, q) = (before.piece.at(&Rational::one()), piece.at(&Rational::zero()));
+                point = &before.point * ratio(&p.w, &q.w)?;
+                tangent = &before.tangent * ratio(&dot(p.a(), p.a()), &dot(p.a(), q.a()))?;
+            }
+            parts.push(Part { piece, size: Range::point(&(to - from)), point, tangent });
+            k += 1;
+        }
+        Ok(parts)
+    }
+
+    /// Checks what is claimed of |C(s) - C(t)| on a square.
+    fn distance(&self, [s, t]: &Square, PairBox { distance: (lo, hi), .. }: &PairBox) -> Result<(), Why> {
+        let ys = self.parts(t)?;
+        for (x, y) in self.parts(s)?.iter().flat_map(|x| ys.iter().map(move |y| (x, y))) {
+            let (p, q) = (x.piece.products(), y.piece.products());
+            // |D|^2 minus a squared bound times w^2 w^2
+            let over = |bound: &Rational| {
+                let (num, den) = (bound.numer().pow(2), bound.denom().pow(2));
+                let ends = [p.rr.scaled(&den), p.ww.scaled(&den), p.ww.scaled(&-num)];
+                let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&den * -2))), q.rw.each_ref());
+                paired(ends, [&q.ww, &q.rr, &q.ww]).plus(mixed).flat()
+            };
+            check(!over(lo).0.iter().any(Signed::is_negative), "a distance is less than claimed")?;
+            let more = |hi: &Rational| hi.is_negative() || over(hi).0.iter().any(Signed::is_positive);
+            check(!hi.as_ref().is_some_and(more), "a distance is more than claimed")?;
+        }
+        Ok(())
+    }
+}
+
+/// The quotient of two constants.
+fn ratio(num: &Poly, den: &Poly) -> Result<Rational, Why> {
+    match (num.0.as_slice(), den.0.as_slice()) {
+        ([num], [den]) if !den.is_zero() => Ok(Rational::new(num.clone(), den.clone())),
+        _ => Err("a piece has no weight or no tangent at a joint"),
+    }
+}
+
+/// F on a square.
+fn field(line: &Line, [s, t]: &Square) -> Result<Field, Why> {
+    let (xs, ys) = (line.parts(s)?, line.parts(t)?);
+    let part = |x: &Part, y: &Part| {
+        let (p, q, both) = (&x.piece, &y.piece, &x.point * &y.point);
+        // D.a(s) and -D.a(t)
+        let of_s = Net::of(paired(p.products().tilt.clone(), q.point()), &both * &x.tangent);
+        let of_t = Net::of(paired(p.point().map(Poly::clone), q.products().tilt.each_ref()), both * &y.tangent);
+        ([of_s, of_t], [x.size.clone(), y.size.clone()])
+    };
+    let length = |parts: &[Part]| parts.iter().map(|part| &part.size.lo).sum::<Rational>();
+    let sizes = [length(&xs), length(&ys)].each_ref().map(Range::point);
+    Field::of(xs.iter().flat_map(|x| ys.iter().map(move |y| part(x, y))), sizes)
+        .ok_or("the derivatives have no inverse")
+}
+
+/// F has one zero in the inner square, no other in the outer one, and s is never t there.
+fn alone(line: &Line, [outer, inner]: &[Square; 2]) -> Result<(), Why> {
+    let [s, t] = outer;
+    let (low, high) = if compare(&s.lo, &t.lo).is_lt() { (s, t) } else { (t, s) };
+    let around = &low.lo + &line.count;
+    let apart = compare(&low.hi, &high.lo).is_lt() && (!line.spine.closed || compare(&high.hi, &around).is_lt());
+    check(apart, "the two sides of a box meet")?;
+    check(inner[0].is_inside(s) && inner[1].is_inside(t), "a pair is not in its box")?;
+    check(field(line, outer)?.once(), "the box may hold several pairs")?;
+    if inner.iter().all(Range::is_point) {
+        let (p, q) = (place(line.spine, &inner[0].lo)?, place(line.spine, &inner[1].lo)?);
+        let d = p.away_from(&q);
+        return check(dot(&d, p.a()).is_zero() && dot(&d, q.a()).is_zero(), "the pair is not stationary");
+    }
+    check(field(line, inner)?.vanishes(), "the box may hold no pair")
+}

@@ -1,0 +1,180 @@
+//! All stationary pairs: options in, boxes out (theory.md, section 4).
+
+use crate::certificate::{Certificate, Evidence, Isolated, PairsEvidence};
+use crate::claim;
+use crate::error::Error;
+use crate::number::{Rational, compare, f64_below, lower_text, parse_rational, upper_text};
+use crate::options::{self, Enclosure, options};
+use crate::search::dyadic::Dyadic;
+use crate::search::evidence;
+use crate::search::frame::Frame;
+use crate::search::meter::Stop;
+use crate::search::pairs::{Found, On, stationary_pairs};
+use crate::search::tree::Tree;
+use crate::spine::Spine;
+use num_bigint::BigInt;
+use num_traits::ToPrimitive;
+
+/// Parameters s > t in the curve's knots, and |C(s) - C(t)| in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct StationaryPair {
+    /// The greater parameter. On the seam of a closed spine an interval round the start, which may begin below it.
+    pub s: Enclosure,
+    /// The other parameter.
+    pub t: Enclosure,
+    /// |C(s) - C(t)|.
+    pub distance: Enclosure,
+}
+
+/// The answer of [`pairs`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Pairs {
+    /// Each holds exactly one stationary pair, no two the same; the closest first.
+    pub pairs: Vec<StationaryPair>,
+    /// Boxes that hold every other stationary pair, if there is any: whole curves of pairs (of a circle, of parallel strands),
+    /// multiple ones, corners, and what was left when a limit was reached.
+    pub undecided: Vec<StationaryPair>,
+    /// Are these all: is nothing undecided?
+    pub complete: bool,
+    /// Is every pair enclosed as narrowly as asked?
+    pub narrow: bool,
+    /// The evidence, if it was asked for and can be written (docs/certificate-format.md): for the numbers as printed.
+    pub certificate: Option<Certificate>,
+    /// Cells that the search looked at.
+    pub cells: u64,
+    /// Why the search stopped early, if it did.
+    pub stopped: Option<Stop>,
+}
+
+options! {
+    /// Options of [`pairs`].
+    PairsOptions {}
+}
+
+/// Every pair s > t at which |C(s) - C(t)|^2 is stationary: C(s) - C(t) is orthogonal to both tangents (theory.md, section 4).
+/// The doubly critical pairs are among them, and so are self-intersections.
+///
+/// Each pair is proved to exist and to be alone in its box, and the rest of the domain is proved empty but for `undecided`.
+/// Pairs (s, s), and the two parameters of a joint or of the closure, are not stationary pairs: they are excluded by proof.
+///
+/// # Errors
+/// As [`radius`](fn@crate::radius).
+///
+/// ```
+/// use tubecert::{PairsOptions, Spine, pairs};
+/// let spine = Spine::from_json_str(r#"{"degree": 3, "control_points": [[0, 0], [9, 4], [-8, 4], [1, 0]]}"#)?;
+/// let answer = pairs(&spine, &PairsOptions::new())?;
+/// assert!(answer.complete);
+/// # Ok::<(), tubecert::Error>(())
+/// ```
+pub fn pairs(spine: &Spine, options: &PairsOptions) -> Result<Pairs, Error> {
+    options::check(options.rel_width)?;
+    let frame = Frame::new(spine);
+    let (start, end) = (&frame.knots[0], &frame.knots[frame.segments.len()]);
+    let asked = |pair: &[Rational]| {
+        let share = (end - start) / (&pair[1] - &pair[0]);
+        (options.rel_width * share.to_f64().unwrap_or(1.0)).min(0.1)
+    };
+    let width = frame.knots.windows(2).map(asked).collect();
+    let (mut tree, mut meter) = (Tree::new(&frame), options.meter());
+    let found = stationary_pairs(&mut tree, width, options.certificate, &mut meter);
+    let answer = Answer { frame: &frame };
+    let mut listed: Vec<(StationaryPair, usize)> = vec![];
+    for (k, root) in found.roots.iter().enumerate().filter(|(_, root)| root.place != On::Beyond) {
+        listed.push((answer.pair(&root.inner, [root.distance.lo(), root.distance.hi()]), k));
+    }
+    listed.sort_by(|(a, _), (b, _)| a.distance.lo.total_cmp(&b.distance.lo).then(a.t.lo.total_cmp(&b.t.lo)));
+    let (pairs, order): (Vec<StationaryPair>, Vec<usize>) = listed.into_iter().unzip();
+    let undecided = found.open.iter().map(|open| {
+        answer.pair(
+            &open.places.map(|range| range.map(|place| place.position())),
+            [open.distance.lo(), open.distance.hi()],
+        )
+    });
+    let undecided: Vec<StationaryPair> = undecided.collect();
+    let domain = f64_below(&(end - start));
+    let parameter = |e: &Enclosure| e.hi - e.lo <= options.rel_width * domain || e.hi <= e.lo.next_up();
+    let narrow =
+        pairs.iter().all(|pair| parameter(&pair.s) && parameter(&pair.t) && pair.distance.is_within(options.rel_width));
+    let complete = undecided.is_empty();
+    let certificate =
+        options.certificate.then(|| certificate(spine, &frame, &found, &order, &pairs, &undecided)).flatten();
+    Ok(Pairs { pairs, undecided, complete, narrow, certificate, cells: meter.cells, stopped: meter.stopped })
+}
+
+struct Answer<'a> {
+    frame: &'a Frame,
+}
+
+impl Answer<'_> {
+    /// A box of positions and distances, in the curve's own measures.
+    fn pair(&self, ranges: &[[Dyadic; 2]; 2], [lo, hi]: [f64; 2]) -> StationaryPair {
+        let [a, b] = ranges.each_ref().map(|range| self.parameters(range));
+        let (s, t) = if a.lo >= b.lo { (a, b) } else { (b, a) };
+        let length = |x: f64| self.frame.length(&crate::number::rational_from_f64(x).unwrap_or_default());
+        let hi = if hi.is_finite() { crate::number::f64_above(&length(hi)) } else { f64::INFINITY };
+        StationaryPair { s, t, distance: Enclosure { lo: f64_below(&length(lo)), hi } }
+    }
+
+    /// What holds the seam of a closed spine is put about the start.
+    fn parameters(&self, [from, to]: &[Dyadic; 2]) -> Enclosure {
+        let count = Rational::from(BigInt::from(self.frame.segments.len()));
+        let (from, to) = (from.rational(), to.rational());
+        let turn = if self.frame.closed { (&to / &count).floor() } else { Rational::default() };
+        // an arc that ends at the seam stays where it is
+        let ends = compare(&(&turn * &count), &to).is_eq() && compare(&from, &to).is_lt();
+        let turn = if ends { turn - BigInt::from(1) } else { turn };
+        let [from, to] = [from, to].map(|x| self.parameter(&(x - &turn * &count)));
+        Enclosure::between(&from, &to)
+    }
+
+    fn parameter(&self, position: &Rational) -> Rational {
+        let (knots, last) = (&self.frame.knots, self.frame.segments.len() - 1);
+        let count = BigInt::from(last + 1);
+        let turn = if self.frame.closed { (position / &count).floor() } else { Rational::default() };
+        let local = position - &turn * &count;
+        let span = local.floor().to_integer().to_usize().unwrap_or(0).min(last);
+        let within = (local - BigInt::from(span)) * (&knots[span + 1] - &knots[span]);
+        &knots[span] + within + turn * (&knots[last + 1] - &knots[0])
+    }
+}
+
+/// What the answer claims, exactly as it is printed; `None` where a number is out of the range of f64.
+pub(crate) fn printed(pairs: &[StationaryPair]) -> Option<Vec<claim::PairBox>> {
+    let number = |text: String| parse_rational(&text).ok();
+    let range = |e: &Enclosure| Some([number(lower_text(e.lo))?, number(upper_text(e.hi))?]);
+    let printed = |pair: &StationaryPair| {
+        let distance = (number(lower_text(pair.distance.lo))?, number(upper_text(pair.distance.hi)));
+        Some(claim::PairBox { s: range(&pair.s)?, t: range(&pair.t)?, distance })
+    };
+    pairs.iter().map(printed).collect()
+}
+
+fn certificate(
+    spine: &Spine,
+    frame: &Frame,
+    found: &Found,
+    order: &[usize],
+    pairs: &[StationaryPair],
+    undecided: &[StationaryPair],
+) -> Option<Certificate> {
+    let claim = claim::Pairs { pairs: printed(pairs)?, undecided: printed(undecided)? };
+    // in the order of the claim, then those beyond the ends
+    let beyond = (0..found.roots.len()).filter(|k| !order.contains(k));
+    let order: Vec<usize> = order.iter().copied().chain(beyond).collect();
+    let mut numbers = vec![0; order.len()];
+    for (new, old) in order.iter().enumerate() {
+        numbers[*old] = new;
+    }
+    if found.roots.iter().any(|root| root.place == On::End) {
+        return None;
+    }
+    let ranges = |square: &[[Dyadic; 2]; 2]| square.each_ref().map(|range| range.each_ref().map(Dyadic::rational));
+    let isolated = order.iter().map(|k| &found.roots[*k]);
+    let isolated = isolated.map(|root| Isolated { outer: ranges(&root.outer), inner: ranges(&root.inner) }).collect();
+    let (along, tree) = (evidence::along(frame, 0.0)?, found.tree(&numbers));
+    let evidence = Evidence::Pairs(PairsEvidence { along, isolated, tree, claim });
+    Some(Certificate { digest: spine.curve().digest(), evidence })
+}
