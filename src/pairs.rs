@@ -9,7 +9,7 @@ use crate::search::dyadic::Dyadic;
 use crate::search::evidence;
 use crate::search::frame::Frame;
 use crate::search::meter::Stop;
-use crate::search::pairs::{Found, On, stationary_pairs};
+use crate::search::pairs::{Found, On, Root, stationary_pairs};
 use crate::search::tree::Tree;
 use crate::spine::Spine;
 use num_bigint::BigInt;
@@ -83,13 +83,13 @@ pub fn pairs(spine: &Spine, options: &PairsOptions) -> Result<Pairs, Error> {
     let answer = Answer { frame: &frame };
     let mut listed: Vec<(StationaryPair, usize)> = vec![];
     for (k, root) in found.roots.iter().enumerate().filter(|(_, root)| root.place != On::Beyond) {
-        listed.push((answer.pair(&root.inner, [root.distance.lo(), root.distance.hi()]), k));
+        listed.push((answer.pair(&place(root), [root.distance.lo(), root.distance.hi()]), k));
     }
     listed.sort_by(|(a, _), (b, _)| a.distance.lo.total_cmp(&b.distance.lo).then(a.t.lo.total_cmp(&b.t.lo)));
     let (pairs, order): (Vec<StationaryPair>, Vec<usize>) = listed.into_iter().unzip();
     let undecided = found.open.iter().map(|open| {
         answer.pair(
-            &open.places.map(|range| range.map(|place| place.position())),
+            &open.places.map(|range| range.map(|place| place.position().rational())),
             [open.distance.lo(), open.distance.hi()],
         )
     });
@@ -104,13 +104,22 @@ pub fn pairs(spine: &Spine, options: &PairsOptions) -> Result<Pairs, Error> {
     Ok(Pairs { pairs, undecided, complete, narrow, certificate, cells: meter.cells, stopped: meter.stopped })
 }
 
+/// Ranges of positions.
+type Square = [[Rational; 2]; 2];
+
+/// Where a pair is, as closely as it is known.
+fn place(root: &Root) -> Square {
+    let inner = || root.inner.each_ref().map(|range| range.each_ref().map(Dyadic::rational));
+    root.point.as_ref().map_or_else(inner, |point| point.each_ref().map(|x| [x.clone(), x.clone()]))
+}
+
 struct Answer<'a> {
     frame: &'a Frame,
 }
 
 impl Answer<'_> {
     /// A box of positions and distances, in the curve's own measures.
-    fn pair(&self, ranges: &[[Dyadic; 2]; 2], [lo, hi]: [f64; 2]) -> StationaryPair {
+    fn pair(&self, ranges: &Square, [lo, hi]: [f64; 2]) -> StationaryPair {
         let [a, b] = ranges.each_ref().map(|range| self.parameters(range));
         let (s, t) = if a.lo >= b.lo { (a, b) } else { (b, a) };
         let length = |x: f64| self.frame.length(&crate::number::rational_from_f64(x).unwrap_or_default());
@@ -119,12 +128,11 @@ impl Answer<'_> {
     }
 
     /// What holds the seam of a closed spine is put about the start.
-    fn parameters(&self, [from, to]: &[Dyadic; 2]) -> Enclosure {
+    fn parameters(&self, [from, to]: &[Rational; 2]) -> Enclosure {
         let count = Rational::from(BigInt::from(self.frame.segments.len()));
-        let (from, to) = (from.rational(), to.rational());
-        let turn = if self.frame.closed { (&to / &count).floor() } else { Rational::default() };
+        let turn = if self.frame.closed { (to / &count).floor() } else { Rational::default() };
         // an arc that ends at the seam stays where it is
-        let ends = compare(&(&turn * &count), &to).is_eq() && compare(&from, &to).is_lt();
+        let ends = compare(&(&turn * &count), to).is_eq() && compare(from, to).is_lt();
         let turn = if ends { turn - BigInt::from(1) } else { turn };
         let [from, to] = [from, to].map(|x| self.parameter(&(x - &turn * &count)));
         Enclosure::between(&from, &to)
@@ -171,9 +179,12 @@ fn certificate(
     if found.roots.iter().any(|root| root.place == On::End) {
         return None;
     }
-    let ranges = |square: &[[Dyadic; 2]; 2]| square.each_ref().map(|range| range.each_ref().map(Dyadic::rational));
-    let isolated = order.iter().map(|k| &found.roots[*k]);
-    let isolated = isolated.map(|root| Isolated { outer: ranges(&root.outer), inner: ranges(&root.inner) }).collect();
+    let isolated = |k: &usize| {
+        let root = &found.roots[*k];
+        let outer = root.outer.each_ref().map(|range| range.each_ref().map(Dyadic::rational));
+        Isolated { outer, inner: place(root) }
+    };
+    let isolated = order.iter().map(isolated).collect();
     let (along, tree) = (evidence::along(frame, 0.0)?, found.tree(&numbers));
     let evidence = Evidence::Pairs(PairsEvidence { along, isolated, tree, claim });
     Some(Certificate { digest: spine.curve().digest(), evidence })

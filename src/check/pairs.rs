@@ -49,7 +49,8 @@ pub(super) fn verify(spine: &Spine, curve: &Curve, claim: &Pairs, evidence: &Pai
         let told = check(distinct, "two boxes may hold the same pair").and_then(|()| {
             check(fits, "the place claimed is not around the pair, or not in the box where it is alone")
         });
-        told.and_then(|()| line.distance(inner, claimed)).map_err(|why| wrong(number + 1, why))?;
+        let touching = |why| if is_zero(claimed) { touches(&line, inner) } else { Err(why) };
+        told.and_then(|()| line.distance(inner, claimed).or_else(touching)).map_err(|why| wrong(number + 1, why))?;
     }
     if on_spine.len() != claim.pairs.len() {
         return Err(wrong(on_spine.len(), "the pairs claimed are not as many as those proved"));
@@ -153,8 +154,9 @@ impl<'a> Line<'a> {
             let (mut point, mut tangent) = (Rational::one(), Rational::one());
             if let Some(before) = parts.last() {
                 check(self.spine.is_smooth(index), "a box steps over a corner")?;
-                let (p, q) = (before.piece.at(&Rational::one()), piece.at(&Rational::zero()));
-                point = &before.point * ratio(&p.w, &q.w)?;
+                let (one, zero) = (Rational::one(), Rational::zero());
+                let (p, q) = (before.piece.at(&one), piece.at(&zero));
+                point = &before.point * ratio(&before.piece.w.at(&one), &piece.w.at(&zero))?;
                 tangent = &before.tangent * ratio(&dot(p.a(), p.a()), &dot(p.a(), q.a()))?;
             }
             parts.push(Part { piece, size: Range::point(&(to - from)), point, tangent });
@@ -175,7 +177,8 @@ impl<'a> Line<'a> {
                 let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&den * -2))), q.rw.each_ref());
                 paired(ends, [&q.ww, &q.rr, &q.ww]).plus(mixed).flat()
             };
-            check(!over(lo).0.iter().any(Signed::is_negative), "a distance is less than claimed")?;
+            let less = |lo: &Rational| lo.is_positive() && over(lo).0.iter().any(Signed::is_negative);
+            check(!less(lo), "a distance is less than claimed")?;
             let more = |hi: &Rational| hi.is_negative() || over(hi).0.iter().any(Signed::is_positive);
             check(!hi.as_ref().is_some_and(more), "a distance is more than claimed")?;
         }
@@ -191,20 +194,42 @@ fn ratio(num: &Poly, den: &Poly) -> Result<Rational, Why> {
     }
 }
 
-/// F on a square.
-fn field(line: &Line, [s, t]: &Square) -> Result<Field, Why> {
+/// Whether the distance 0 is claimed.
+fn is_zero(claimed: &PairBox) -> bool {
+    let (lo, hi) = &claimed.distance;
+    !lo.is_positive() && hi.as_ref().is_some_and(Zero::is_zero)
+}
+
+/// Two forms on a square, given those of two pieces with the factors that make them continuous.
+fn field(line: &Line, [s, t]: &Square, forms: impl Fn(&Part, &Part) -> [Net; 2]) -> Result<Field, Why> {
     let (xs, ys) = (line.parts(s)?, line.parts(t)?);
-    let part = |x: &Part, y: &Part| {
-        let (p, q, both) = (&x.piece, &y.piece, &x.point * &y.point);
-        // D.a(s) and -D.a(t)
-        let of_s = Net::of(paired(p.products().tilt.clone(), q.point()), &both * &x.tangent);
-        let of_t = Net::of(paired(p.point().map(Poly::clone), q.products().tilt.each_ref()), both * &y.tangent);
-        ([of_s, of_t], [x.size.clone(), y.size.clone()])
+    let all = xs.iter().flat_map(|x| ys.iter().map(move |y| (x, y)));
+    let length = |parts: &[Part]| Range::point(&parts.iter().map(|part| &part.size.lo).sum());
+    let parts = all.map(|(x, y)| (forms(x, y), [x.size.clone(), y.size.clone()]));
+    Field::of(parts, [length(&xs), length(&ys)]).ok_or("the derivatives have no inverse")
+}
+
+/// D.a(s) and -D.a(t).
+fn tilts(x: &Part, y: &Part) -> [Net; 2] {
+    let (p, q, both) = (&x.piece, &y.piece, &x.point * &y.point);
+    let of_s = Net::of(paired(p.products().tilt.clone(), q.point()), &both * &x.tangent);
+    [of_s, Net::of(paired(p.point().map(Poly::clone), q.products().tilt.each_ref()), both * &y.tangent)]
+}
+
+/// D, one coordinate being constant along the spine, vanishes in a square, so it does at the pair that is alone there.
+fn touches(line: &Line, square: &Square) -> Result<(), Why> {
+    let first = line.spine.spans.first().ok_or("there is no span")?.at(&Rational::zero());
+    let flat =
+        |k: &usize| line.spine.spans.iter().all(|span| span.away_from(&first).get(*k).is_some_and(Poly::is_zero));
+    let level = (0..3).find(flat).ok_or("no coordinate is constant")?;
+    let (i, j) = ((level + 1) % 3, (level + 2) % 3);
+    let gap = |k: usize, x: &Part, y: &Part| {
+        let (p, q) = (&x.piece, &y.piece);
+        let [r, u] = [&p.r, &q.r].map(|r| r.get(k).cloned().unwrap_or_default());
+        Net::of(paired([r, p.w.scaled(&BigInt::from(-1))], [&q.w, &u]), &x.point * &y.point)
     };
-    let length = |parts: &[Part]| parts.iter().map(|part| &part.size.lo).sum::<Rational>();
-    let sizes = [length(&xs), length(&ys)].each_ref().map(Range::point);
-    Field::of(xs.iter().flat_map(|x| ys.iter().map(move |y| part(x, y))), sizes)
-        .ok_or("the derivatives have no inverse")
+    let field = field(line, square, |x, y| [gap(i, x, y), gap(j, x, y)])?;
+    check(field.vanishes(), "the spine may not touch itself there")
 }
 
 /// F has one zero in the inner square, no other in the outer one, and s is never t there.
@@ -215,11 +240,11 @@ fn alone(line: &Line, [outer, inner]: &[Square; 2]) -> Result<(), Why> {
     let apart = compare(&low.hi, &high.lo).is_lt() && (!line.spine.closed || compare(&high.hi, &around).is_lt());
     check(apart, "the two sides of a box meet")?;
     check(inner[0].is_inside(s) && inner[1].is_inside(t), "a pair is not in its box")?;
-    check(field(line, outer)?.once(), "the box may hold several pairs")?;
+    check(field(line, outer, tilts)?.once(), "the box may hold several pairs")?;
     if inner.iter().all(Range::is_point) {
         let (p, q) = (place(line.spine, &inner[0].lo)?, place(line.spine, &inner[1].lo)?);
         let d = p.away_from(&q);
         return check(dot(&d, p.a()).is_zero() && dot(&d, q.a()).is_zero(), "the pair is not stationary");
     }
-    check(field(line, inner)?.vanishes(), "the box may hold no pair")
+    check(field(line, inner, tilts)?.vanishes(), "the box may hold no pair")
 }

@@ -14,6 +14,9 @@ use num_bigint::BigInt;
 use num_traits::ToPrimitive;
 use std::cmp::Ordering;
 
+/// A rational parameter: the segment, and a fraction of it.
+pub(crate) type Simple = (usize, Int, Int);
+
 /// A proved self-contact: each parameter lies between two, the point in the hull of `points`.
 #[derive(Debug, Clone)]
 pub(crate) struct Touch {
@@ -85,21 +88,25 @@ impl Exact<'_> {
         members.into_iter().find_map(|[s, t]| self.critical_at(s?, t?, pair.radius))
     }
 
-    fn critical_at(&mut self, s: (usize, Int, Int), t: (usize, Int, Int), radius: f64) -> Option<f64> {
+    fn critical_at(&mut self, s: Simple, t: Simple, radius: f64) -> Option<f64> {
         if same_parameter(self.frame, &s, &t) {
             return None;
         }
-        let (p, q) = (self.homogeneous(&s), self.homogeneous(&t));
+        let (num, den) = self.stationary_sq(&s, &t)?;
+        least_f64(radius, |r| num.cmp(&r.sqr().mul(&den).mul(&Dyadic::from(4))).is_le())
+    }
+
+    /// |C(s) - C(t)|^2 as numerator and denominator, if C(s) - C(t) is orthogonal to both tangents.
+    pub(crate) fn stationary_sq(&mut self, s: &Simple, t: &Simple) -> Option<(Dyadic, Dyadic)> {
+        let (p, q) = (self.homogeneous(s), self.homogeneous(t));
         let gap: [Int; 3] = std::array::from_fn(|k| &(&p[k] * &q[3]) - &(&q[k] * &p[3]));
-        let critical = [&s, &t].into_iter().all(|at| {
+        let critical = [s, t].into_iter().all(|at| {
             let (forms, _) = self.span(at.0);
             let degree = forms.a[0].ds;
             let a = forms.a.each_ref().map(|a| at_ratio(a, &at.1, &at.2, degree));
             integer::dot(&a, &gap).is_zero()
         });
-        critical.then_some(())?;
-        let (num, den) = distance_sq(&whole_point(p), &whole_point(q));
-        least_f64(radius, |r| num.cmp(&r.sqr().mul(&den).mul(&Dyadic::from(4))).is_le())
+        critical.then(|| distance_sq(&whole_point(p), &whole_point(q)))
     }
 
     /// A doubly critical pair exists in a small box round the candidate (Miranda on preconditioned F1, F2); returns an
@@ -371,7 +378,7 @@ fn simplest(at: (usize, f64)) -> Option<(usize, Int, Int)> {
     fraction(at, 1000, 1e-7)
 }
 
-fn fraction((segment, t): (usize, f64), most: i64, near: f64) -> Option<(usize, Int, Int)> {
+pub(crate) fn fraction((segment, t): (usize, f64), most: i64, near: f64) -> Option<(usize, Int, Int)> {
     let (mut p, mut q) = ((0i64, 1i64), (1i64, 0i64));
     let mut x = t;
     for _ in 0..30 {

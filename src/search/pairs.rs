@@ -5,7 +5,8 @@
 //! sign). The largest cells come first, in rounds: whole curves of pairs (circles, parallel strands) show as crowds of cells
 //! that double from round to round, and are left open as they are.
 
-use super::dyadic::{Dyadic, decompose_exponent, step, truncated};
+use super::contact::{Simple, fraction};
+use super::dyadic::{Dyadic, decompose_exponent, ratio, step, truncated};
 use super::evidence::axis_of;
 use super::frame::{At, Frame};
 use super::meter::Meter;
@@ -19,6 +20,7 @@ use crate::bernstein::{Form, Vec3, dot};
 use crate::certificate::Node;
 use crate::enclosure::Interval;
 use crate::integer::{Int, ldexp};
+use crate::number::Rational;
 use crate::roots::common_zero;
 use num_bigint::BigInt;
 use num_traits::ToPrimitive;
@@ -36,6 +38,8 @@ pub(crate) struct Root {
     pub(crate) inner: [[Dyadic; 2]; 2],
     pub(crate) distance: Interval,
     pub(crate) place: On,
+    /// Where the pair is exactly, if that is known.
+    pub(crate) point: Option<[Rational; 2]>,
 }
 
 /// Where the pair of a root is.
@@ -91,6 +95,8 @@ struct Search<'t, 'f> {
     /// The asked width of a parameter, in units of each span.
     width: Vec<f64>,
     fine: bool,
+    /// The other two coordinates, if one is the same all along.
+    across: Option<[usize; 2]>,
 }
 
 /// Searches all pairs. `width`: what is asked of their parameters, in units of each span; `fine`: blocks of spans are not
@@ -98,7 +104,11 @@ struct Search<'t, 'f> {
 pub(crate) fn stationary_pairs(tree: &mut Tree, width: Vec<f64>, fine: bool, meter: &mut Meter) -> Found {
     let root = tree.root();
     let found = Found { roots: vec![], open: vec![], nodes: vec![Entry::Waiting] };
-    let mut search = Search { tree, found, width, fine };
+    let (segments, first) = (&tree.frame.segments, tree.frame.segments[0].point(0));
+    let level = |k: usize, p: [Int; 4]| &p[k] * &first[3] == &first[k] * &p[3];
+    let flat = |k: usize| segments.iter().all(|b| (0..=b.degree()).all(|i| level(k, b.point(i))));
+    let across = [([1, 2], 0), ([0, 2], 1), ([0, 1], 2)].into_iter().find(|(_, k)| flat(*k)).map(|(axes, _)| axes);
+    let mut search = Search { tree, found, width, fine, across };
     let mut open = vec![Pair { i: root, j: root, node: 0 }];
     let mut size = search.size(root);
     while !open.is_empty() {
@@ -256,7 +266,7 @@ impl Search<'_, '_> {
             return None;
         }
         self.found.roots.push(root);
-        Some(Leaf::Root(self.found.roots.len() - 1))
+        self.known(i, j).map(Leaf::Root)
     }
 
     /// The pair that is alone in a box that holds two arcs, either way round.
@@ -320,9 +330,21 @@ impl Search<'_, '_> {
             });
             if (0..2).all(|k| outer[k][0] < inner[k][0] && inner[k][1] < outer[k][1])
                 && field(inner).vanishes()
-                && let Some(distance) = distance_over([x, y], &gap.d, inner)
+                && let Some(mut distance) = distance_over([x, y], &gap.d, inner)
             {
-                return Some(Root { outer: places(outer), inner: places(inner), distance, place: On::Spine });
+                let crosses = |[i, k]: [usize; 2]| {
+                    Field::single([&gap.d[i], &gap.d[k]].map(|d| Net::of(d, d.exp).cut(inner))).vanishes()
+                };
+                if distance.lo() == 0.0 && self.across.is_some_and(crosses) {
+                    distance = Interval::point(0.0);
+                }
+                return Some(Root {
+                    outer: places(outer),
+                    inner: places(inner),
+                    distance,
+                    place: On::Spine,
+                    point: None,
+                });
             }
         }
         self.prove_exactly(cells, near)
@@ -339,7 +361,7 @@ impl Search<'_, '_> {
         });
         // a power of two of at least the distance to the far end of the cell
         let reach = [0, 1].map(|k| {
-            let far = near[k].abs().max((1.0 - near[k]).abs());
+            let far = near[k].abs().max((1.0 - near[k]).abs()) + 1e-9;
             (0..=2).rev().find(|j| far <= ldexp(1.0, -j)).map_or(depth[k] - 1, |j| depth[k] + j)
         });
         if reach.iter().any(|reach| *reach < 1) {
@@ -385,7 +407,11 @@ impl Search<'_, '_> {
             if !inside || !Field::of_strands(&x, &y).vanishes() {
                 continue;
             }
-            let root = Root { outer: outer.clone(), inner, distance: distance_exactly(&x, &y)?, place: On::Spine };
+            let mut distance = distance_exactly(&x, &y)?;
+            if distance.lo() == 0.0 && self.across.is_some_and(|axes| Field::of_gap(&x, &y, axes).vanishes()) {
+                distance = Interval::point(0.0);
+            }
+            let root = Root { outer: outer.clone(), inner, distance, place: On::Spine, point: None };
             if let Some(root) = self.settled(root) {
                 return Some(root);
             }
@@ -411,14 +437,25 @@ impl Search<'_, '_> {
             return Some(root);
         }
         // exactly at the end, with a simple parameter
-        let simple = |[from, to]: &[Dyadic; 2]| {
+        let place = |k: usize, end: Option<&Dyadic>| {
+            let [from, to] = &root.inner[k];
             let middle = Dyadic { e: -1, ..Dyadic::ONE }.mul(&from.add(to));
-            truncated(&middle.add(&step(21)), 20)
+            let at = located(frame, end.unwrap_or(&middle));
+            let t = at.t.m.to_f64_shifted(-at.t.e);
+            fraction((at.segment, t), 10_000, 1e-8)
         };
-        let places = [s.as_ref(), t.as_ref()];
-        let point = [0, 1].map(|k| places[k].cloned().unwrap_or_else(|| simple(&root.inner[k])));
-        if Exact::new(frame).is_stationary(&located(frame, &point[0]), &located(frame, &point[1])) {
-            root.inner = point.map(|x| [x.clone(), x]);
+        if let (Some(p), Some(q)) = (place(0, s.as_ref()), place(1, t.as_ref()))
+            && let Some((num, den)) = Exact::new(frame).stationary_sq(&p, &q)
+        {
+            let near = ratio(&num, &den);
+            root.distance = if num.m.is_zero() {
+                Interval::point(0.0)
+            } else {
+                // the quotient is off by three roundings
+                Interval::new(near * (1.0 - ROUNDING), near * (1.0 + ROUNDING) + 1e-300).sqrt()
+            };
+            let position = |(k, num, den): &Simple| Rational::new(num.big(), den.big()) + BigInt::from(*k);
+            root.point = Some([position(&p), position(&q)]);
             return Some(root);
         }
         let (k, end) = match (s, t) {

@@ -130,7 +130,15 @@ impl Field {
 
     /// On two strands, exactly but for one rounding.
     pub(crate) fn of_strands(x: &Strand, y: &Strand) -> Self {
-        let forms = over(x, y, |d, ax, ay| [dot(d, ax), dot(d, ay)]);
+        Self::exactly(&over(x, y, |d, ax, ay| [dot(d, ax), dot(d, ay)]), x, y)
+    }
+
+    /// Two coordinates of D instead of F.
+    pub(crate) fn of_gap(x: &Strand, y: &Strand, [i, k]: [usize; 2]) -> Self {
+        Self::exactly(&over(x, y, |d, _, _| [d[i].clone(), d[k].clone()]), x, y)
+    }
+
+    fn exactly(forms: &[Vec<[Form<Int>; 2]>], x: &Strand, y: &Strand) -> Self {
         let near = |form: &Form<Int>| <f64 as Scalar>::cast(form);
         let near: Vec<Vec<[Form<f64>; 2]>> =
             forms.iter().map(|row| row.iter().map(|f| f.each_ref().map(near)).collect()).collect();

@@ -165,12 +165,6 @@ impl<'f> Exact<'f> {
         forms.a.each_ref().map(|a| a.at(&at.t))
     }
 
-    /// Is C(s) - C(t) orthogonal to both tangents?
-    pub(crate) fn is_stationary(&mut self, s: &At, t: &At) -> bool {
-        let (q, _) = gap(&self.point(s), &self.point(t));
-        [s, t].into_iter().all(|at| dot3(&q, &self.hodograph(at)).m.is_zero())
-    }
-
     /// W1: the least f64 radius R at hand with kappa(t)^2 >= 1/R^2.
     pub(crate) fn curved(&mut self, peak: &Peak) -> Option<Witness> {
         let at = At::near((peak.segment, peak.t));

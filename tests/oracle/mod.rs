@@ -745,3 +745,72 @@ pub fn reaches(answer: &Radius, sampled: &Sampled, share: f64, size: f64) -> Res
     }
     Err(format!("delta.hi = {hi:e}, but sampling only finds {found:e}, by {:?}", sampled.least().map(|b| &b.why)))
 }
+
+impl Oracle {
+    /// Half the gradient of |C(s) - C(t)|^2 by unit lengths of tangents, and the distance, at shares of the domain.
+    pub fn slopes(&self, s: f64, t: f64) -> [f64; 3] {
+        let (a, b) = (self.at(self.wrap(s)), self.at(self.wrap(t)));
+        let gap = sub(&a.c, &b.c);
+        [dot(&gap, &a.tangent), dot(&gap, &b.tangent), dot(&gap, &gap).sqrt()]
+    }
+
+    /// Stationary pairs of the distance, as shares of the domain, by Newton's method (with numerical derivatives) from all
+    /// cells of a grid on which both slopes change sign.
+    pub fn stationary(&self, count: usize) -> Vec<[f64; 2]> {
+        let per_span = (count / self.spans.len()).clamp(6, 400);
+        let grid: Vec<Sample> = self.parameters(per_span).into_iter().map(|u| self.at(u)).collect();
+        let slope = |i: usize, j: usize| {
+            let gap = sub(&grid[i].c, &grid[j].c);
+            [dot(&gap, &grid[i].tangent), dot(&gap, &grid[j].tangent)]
+        };
+        let mut found: Vec<[f64; 2]> = vec![];
+        for i in 0..grid.len() - 1 {
+            for j in 0..i {
+                let corners = [slope(i, j), slope(i + 1, j), slope(i, j + 1), slope(i + 1, j + 1)];
+                let mixed = |k: usize| corners.iter().any(|c| c[k] <= 0.0) && corners.iter().any(|c| c[k] >= 0.0);
+                if !(mixed(0) && mixed(1)) {
+                    continue;
+                }
+                let middle = |i: usize| 0.5 * (grid[i].u + grid[i + 1].u);
+                if let Some(pair) = self.stationary_near(middle(i), middle(j)) {
+                    let known = found.iter().any(|p| (p[0] - pair[0]).abs() + (p[1] - pair[1]).abs() < 1e-7);
+                    if !known {
+                        found.push(pair);
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    fn stationary_near(&self, mut s: f64, mut t: f64) -> Option<[f64; 2]> {
+        const H: f64 = 1e-6;
+        let mut last = 1.0_f64;
+        for _ in 0..20 {
+            let f = self.slopes(s, t);
+            let (by_s, by_t) = (self.slopes(s + H, t), self.slopes(s, t + H));
+            let (lo_s, lo_t) = (self.slopes(s - H, t), self.slopes(s, t - H));
+            let [a, c] = [0, 1].map(|k| (by_s[k] - lo_s[k]) / (2.0 * H));
+            let [b, d] = [0, 1].map(|k| (by_t[k] - lo_t[k]) / (2.0 * H));
+            let det = a * d - b * c;
+            let (ds, dt) = ((d * f[0] - b * f[1]) / det, (a * f[1] - c * f[0]) / det);
+            if !(ds.abs() < 0.2 && dt.abs() < 0.2) {
+                return None;
+            }
+            (s, t) = (s - ds, t - dt);
+            last = ds.abs().max(dt.abs());
+            if !self.closed && !(s.abs() <= 1.0 && (0.0..=1.0).contains(&t) && s >= 0.0) {
+                return None;
+            }
+        }
+        // to a multiple pair it comes slowly, and not close
+        if last > 1e-9 {
+            return None;
+        }
+        let (s, t) = (self.wrap(s), self.wrap(t));
+        let gap = (s - t).abs();
+        let gap = if self.closed { gap.min(1.0 - gap) } else { gap };
+        let f = self.slopes(s, t);
+        (gap > 1e-4 && f[0].abs() < 1e-11 && f[1].abs() < 1e-11).then(|| [s.max(t), s.min(t)])
+    }
+}
