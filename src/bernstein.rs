@@ -84,13 +84,17 @@ impl<T: Scalar> Form<T> {
     pub(crate) fn mul(&self, other: &Self) -> Self {
         let (ds, dt) = (self.ds + other.ds, self.dt + other.dt);
         let mut c = vec![T::zero(); (ds + 1) * (dt + 1)];
-        let width = other.dt + 1;
+        let (own, width) = (self.dt + 1, other.dt + 1);
         for i in 0..=self.ds {
-            for j in 0..=self.dt {
-                let a = &self.c[i * (self.dt + 1) + j];
-                for k in 0..=other.ds {
-                    let at = (i + k) * (dt + 1) + j;
-                    T::axpy(&mut c[at..at + width], a, &other.c[k * width..(k + 1) * width]);
+            let row = &self.c[i * own..(i + 1) * own];
+            for k in 0..=other.ds {
+                let at = (i + k) * (dt + 1);
+                if other.dt == 0 {
+                    T::axpy(&mut c[at..at + own], &other.c[k], row);
+                    continue;
+                }
+                for (j, a) in row.iter().enumerate() {
+                    T::axpy(&mut c[at + j..at + j + width], a, &other.c[k * width..(k + 1) * width]);
                 }
             }
         }

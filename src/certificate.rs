@@ -19,6 +19,7 @@ pub struct Certificate {
 
 /// One kind for each kind of claim.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(clippy::large_enum_variant, reason = "there is one in a certificate")]
 pub(crate) enum Evidence {
     Radius(Tube),
     Pairs(pairs::Evidence),

@@ -2,8 +2,9 @@
 
 use crate::certificate::{Certificate, Evidence, Isolated, PairsEvidence};
 use crate::claim;
+use crate::enclosure::Interval;
 use crate::error::Error;
-use crate::number::{Rational, compare, f64_below, lower_text, parse_rational, upper_text};
+use crate::number::{Rational, f64_below, lower_text, parse_rational, upper_text};
 use crate::options::{self, Enclosure, options};
 use crate::search::dyadic::Dyadic;
 use crate::search::evidence;
@@ -80,19 +81,17 @@ pub fn pairs(spine: &Spine, options: &PairsOptions) -> Result<Pairs, Error> {
     let width = frame.knots.windows(2).map(asked).collect();
     let (mut tree, mut meter) = (Tree::new(&frame), options.meter());
     let found = stationary_pairs(&mut tree, width, options.certificate, &mut meter);
-    let answer = Answer { frame: &frame };
+    let answer = Answer::new(&frame);
     let mut listed: Vec<(StationaryPair, usize)> = vec![];
     for (k, root) in found.roots.iter().enumerate().filter(|(_, root)| root.place != On::Beyond) {
-        listed.push((answer.pair(&place(root), [root.distance.lo(), root.distance.hi()]), k));
+        listed.push((answer.pair(&root.inner, root.point.as_ref(), root.distance), k));
     }
     listed.sort_by(|(a, _), (b, _)| a.distance.lo.total_cmp(&b.distance.lo).then(a.t.lo.total_cmp(&b.t.lo)));
     let (pairs, order): (Vec<StationaryPair>, Vec<usize>) = listed.into_iter().unzip();
-    let undecided = found.open.iter().map(|open| {
-        answer.pair(
-            &open.places.map(|range| range.map(|place| place.position().rational())),
-            [open.distance.lo(), open.distance.hi()],
-        )
-    });
+    let undecided = found
+        .open
+        .iter()
+        .map(|open| answer.pair(&open.places.map(|range| range.map(|place| place.position())), None, open.distance));
     let undecided: Vec<StationaryPair> = undecided.collect();
     let domain = f64_below(&(end - start));
     let parameter = |e: &Enclosure| e.hi - e.lo <= options.rel_width * domain || e.hi <= e.lo.next_up();
@@ -115,37 +114,67 @@ fn place(root: &Root) -> Square {
 
 struct Answer<'a> {
     frame: &'a Frame,
+    /// The knots, and the lengths of the spans.
+    spans: Vec<[Interval; 2]>,
 }
 
-impl Answer<'_> {
+impl<'a> Answer<'a> {
+    fn new(frame: &'a Frame) -> Self {
+        let near = |x: &Rational| Interval::from_ratio(x.numer(), x.denom());
+        let spans = frame.knots.windows(2).map(|pair| [near(&pair[0]), near(&(&pair[1] - &pair[0]))]).collect();
+        Self { frame, spans }
+    }
+
     /// A box of positions and distances, in the curve's own measures.
-    fn pair(&self, ranges: &Square, [lo, hi]: [f64; 2]) -> StationaryPair {
-        let [a, b] = ranges.each_ref().map(|range| self.parameters(range));
+    fn pair(&self, ranges: &[[Dyadic; 2]; 2], point: Option<&[Rational; 2]>, distance: Interval) -> StationaryPair {
+        let parameters = |k: usize| match point {
+            Some(point) => Enclosure::of(&self.exactly(&point[k])),
+            None => self.parameters(&ranges[k]),
+        };
+        let (a, b) = (parameters(0), parameters(1));
         let (s, t) = if a.lo >= b.lo { (a, b) } else { (b, a) };
-        let length = |x: f64| self.frame.length(&crate::number::rational_from_f64(x).unwrap_or_default());
-        let hi = if hi.is_finite() { crate::number::f64_above(&length(hi)) } else { f64::INFINITY };
-        StationaryPair { s, t, distance: Enclosure { lo: f64_below(&length(lo)), hi } }
+        let scale = i32::try_from(-self.frame.scale).unwrap_or(if self.frame.scale > 0 { i32::MIN } else { i32::MAX });
+        let distance = distance.scale2(scale);
+        StationaryPair { s, t, distance: Enclosure { lo: distance.lo().max(0.0), hi: distance.hi() } }
     }
 
-    /// What holds the seam of a closed spine is put about the start.
-    fn parameters(&self, [from, to]: &[Rational; 2]) -> Enclosure {
-        let count = Rational::from(BigInt::from(self.frame.segments.len()));
-        let turn = if self.frame.closed { (to / &count).floor() } else { Rational::default() };
-        // an arc that ends at the seam stays where it is
-        let ends = compare(&(&turn * &count), to).is_eq() && compare(from, to).is_lt();
-        let turn = if ends { turn - BigInt::from(1) } else { turn };
-        let [from, to] = [from, to].map(|x| self.parameter(&(x - &turn * &count)));
-        Enclosure::between(&from, &to)
+    /// What holds the seam of a closed spine is put about the start; an arc that ends there stays where it is.
+    fn parameters(&self, range: &[Dyadic; 2]) -> Enclosure {
+        let count = self.spans.len() as f64;
+        let [from, to] = range.each_ref().map(|x| x.m.to_f64_shifted(-x.e));
+        let middle = 0.5 * (from + to);
+        let mut turn = if self.frame.closed { (middle / count).floor() } else { 0.0 };
+        if self.frame.closed && from < (turn + 1.0) * count && (turn + 1.0) * count < to {
+            turn += 1.0;
+        }
+        let [from, to] = range.each_ref().map(|x| self.parameter(x, turn));
+        Enclosure { lo: from.lo(), hi: to.hi() }
     }
 
-    fn parameter(&self, position: &Rational) -> Rational {
-        let (knots, last) = (&self.frame.knots, self.frame.segments.len() - 1);
-        let count = BigInt::from(last + 1);
-        let turn = if self.frame.closed { (position / &count).floor() } else { Rational::default() };
-        let local = position - &turn * &count;
-        let span = local.floor().to_integer().to_usize().unwrap_or(0).min(last);
-        let within = (local - BigInt::from(span)) * (&knots[span + 1] - &knots[span]);
-        &knots[span] + within + turn * (&knots[last + 1] - &knots[0])
+    /// The parameter at a position, so many turns back.
+    fn parameter(&self, position: &Dyadic, turn: f64) -> Interval {
+        let (last, count) = (self.spans.len() - 1, self.spans.len() as i64);
+        let local = position.sub(&Dyadic::from(turn as i64 * count));
+        let wrap = self.frame.closed && local.m.sign().is_lt();
+        let local = if wrap { local.add(&Dyadic::from(count)) } else { local };
+        let near = local.m.to_f64_shifted(-local.e);
+        let span = (near.floor().max(0.0) as usize).min(last);
+        let within = local.sub(&Dyadic::from(span as i64));
+        let x = within.m.to_f64_shifted(-within.e);
+        // off by half a step at the most, unless it is exact
+        let exact = Dyadic::from_f64(x) == within;
+        let x = if exact { Interval::point(x) } else { Interval::new(x.next_down(), x.next_up()) };
+        let [knot, length] = self.spans[span];
+        let parameter = knot + length * x;
+        let [start, end] = [self.spans[0][0], self.spans[last][0] + self.spans[last][1]];
+        if wrap { parameter - (end - start) } else { parameter }
+    }
+
+    /// The parameter at a rational position on an open spine.
+    fn exactly(&self, position: &Rational) -> Rational {
+        let (knots, last) = (&self.frame.knots, self.spans.len() - 1);
+        let span = position.floor().to_integer().to_usize().unwrap_or(0).min(last);
+        &knots[span] + (position - BigInt::from(span)) * (&knots[span + 1] - &knots[span])
     }
 }
 

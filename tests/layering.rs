@@ -25,7 +25,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("search", &["bernstein", "certificate", "enclosure", "integer", "number", "roots", "search", "spine"]),
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
-    ("pairs", &["certificate", "claim", "curve", "error", "number", "options", "search", "spine"]),
+    ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),
     ("radius", &["certificate", "check", "curve", "error", "number", "options", "search", "spine"]),
 ];
 

@@ -185,6 +185,7 @@ fn accepted(name: &str, curve: &Curve, lo: &str, hi: Option<&str>, upper: Upper)
 fn bounds(claim: &Claim) -> [Option<Rational>; 2] {
     match &claim.statement {
         Statement::Radius { lo, hi } => [lo.clone(), hi.clone()],
+        other => panic!("{other:?}"),
     }
 }
 
@@ -202,6 +203,7 @@ fn with(certificate: &Certificate, upper: Upper) -> Certificate {
 fn tube(certificate: &mut Certificate) -> &mut Tube {
     match &mut certificate.evidence {
         Evidence::Radius(tube) => tube,
+        other => panic!("{other:?}"),
     }
 }
 

@@ -41,7 +41,7 @@ pub fn parameter_places(curve: &Curve) -> i32 {
 }
 
 /// Chooses how many digits are shown, so that it need not be exact.
-fn floor_log10(x: f64) -> i32 {
+pub fn floor_log10(x: f64) -> i32 {
     if x > 0.0 && x.is_finite() { x.log10().floor() as i32 } else { 0 }
 }
 

@@ -5,7 +5,7 @@ use tubecert::number::{lower_text, parse_rational, upper_text};
 use tubecert::{Enclosure, Pairs, PairsOptions, Statement, StationaryPair};
 
 use super::args::PairsArgs;
-use super::enclosed::{nearest, parameter_places, relation};
+use super::enclosed::{floor_log10, nearest, parameter_places, relation};
 use super::job::Job;
 use super::json::{self, E};
 use super::text::unit;
@@ -90,7 +90,11 @@ fn as_text(job: &Job, answer: &Pairs) -> String {
     }
     if !answer.undecided.is_empty() {
         lines.push("undecided: every other stationary pair lies in one of these".to_string());
-        let range = |e: &Enclosure| format!("{} .. {}", nearest(e.lo, places), nearest(e.hi, places));
+        let range = |e: &Enclosure| {
+            // as many digits as tell the ends apart
+            let places = places.max(2 - floor_log10(e.hi - e.lo));
+            format!("{} .. {}", nearest(e.lo, places), nearest(e.hi, places))
+        };
         for cell in &answer.undecided {
             let distance = relation(&cell.distance);
             lines.push(format!("  s = {}, t = {}: distance {distance}", range(&cell.s), range(&cell.t)));

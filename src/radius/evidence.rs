@@ -61,7 +61,7 @@ mod tests {
         let answer = radius(&spine, &RadiusOptions::new().certificate(true)).expect("an answer");
         FAULT.set(None);
         let mut certificate = answer.certificate.expect("a certificate");
-        let Evidence::Radius(tube) = &mut certificate.evidence;
+        let Evidence::Radius(tube) = &mut certificate.evidence else { panic!("{certificate:?}") };
         change(tube);
         verify(&certificate.claim(curve), &certificate).is_ok()
     }

@@ -40,6 +40,8 @@ pub(crate) struct Root {
     pub(crate) place: On,
     /// Where the pair is exactly, if that is known.
     pub(crate) point: Option<[Rational; 2]>,
+    /// `outer`, a little wider.
+    about: [[f64; 2]; 2],
 }
 
 /// Where the pair of a root is.
@@ -241,10 +243,11 @@ impl Search<'_, '_> {
             return rule(Node::Side(fields.map(|k| k as i64)));
         }
         // where f64 no longer sees the arcs, their exact points may still have a side
-        if !apart && a.rad.max(b.rad) <= 64.0 * x.p_err.max(y.p_err) {
-            if let Some(side) = exact_side(self.tree.frame, [x, y]) {
-                return rule(side);
-            }
+        if !apart
+            && a.rad.max(b.rad) <= 64.0 * x.p_err.max(y.p_err)
+            && let Some(side) = exact_side(self.tree.frame, [x, y])
+        {
+            return rule(side);
         }
         let near = |ds: f64, dt: f64| ds.abs() < 0.7 * hs && dt.abs() < 0.7 * ht;
         if !near(step.ds, step.dt) {
@@ -261,6 +264,9 @@ impl Search<'_, '_> {
                 return None;
             }
         }
+        if self.met([x.segment as f64 + p, y.segment as f64 + q]) {
+            return None;
+        }
         let root = self.prove([x, y], &gap, [(p - s) / hs + 0.5, (q - t) / ht + 0.5])?;
         if self.found.roots.iter().any(|known| self.meets(known, &root)) {
             return None;
@@ -271,17 +277,31 @@ impl Search<'_, '_> {
 
     /// The pair that is alone in a box that holds two arcs, either way round.
     fn known(&self, i: Id, j: Id) -> Option<usize> {
-        let (a, b) = (self.tree.node(i), self.tree.node(j));
-        let inside = |node: &super::tree::Node, range: &[Dyadic; 2]| {
-            let [from, to] = [node.start, node.end].map(|place| place.position());
-            self.turns().iter().any(|turn| {
-                let moved = |x: &Dyadic| x.add(turn);
-                range[0].cmp(&moved(&from)).is_le() && moved(&to).cmp(&range[1]).is_le()
-            })
+        let arcs = [i, j].map(|id| self.tree.node(id));
+        let near = arcs.map(|node| [node.start, node.end].map(Place::near));
+        let turn = self.tree.frame.segments.len() as f64;
+        let turns = if self.tree.frame.closed { vec![0.0, turn, -turn] } else { vec![0.0] };
+        let maybe = |k: usize, [from, to]: &[f64; 2]| {
+            turns.iter().any(|turn| *from <= near[k][0] + turn && near[k][1] + turn <= *to)
+        };
+        let inside = |k: usize, range: &[Dyadic; 2]| {
+            let [from, to] = [arcs[k].start, arcs[k].end].map(Place::position);
+            self.turns().iter().any(|turn| range[0].cmp(&from.add(turn)).is_le() && to.add(turn).cmp(&range[1]).is_le())
         };
         self.found.roots.iter().position(|root| {
-            let [s, t] = &root.outer;
-            (inside(a, s) && inside(b, t)) || (inside(a, t) && inside(b, s))
+            let ([s, t], [u, v]) = (&root.outer, &root.about);
+            (maybe(0, u) && maybe(1, v) && inside(0, s) && inside(1, t))
+                || (maybe(0, v) && maybe(1, u) && inside(0, t) && inside(1, s))
+        })
+    }
+
+    /// Is a place, in positions, that of a pair that is known? Numerically.
+    fn met(&self, place: [f64; 2]) -> bool {
+        self.found.roots.iter().any(|root| {
+            (0..2).all(|k| {
+                let [from, to] = root.inner[k].each_ref().map(|x| x.m.to_f64_shifted(-x.e));
+                from <= place[k] && place[k] <= to
+            })
         })
     }
 
@@ -338,13 +358,9 @@ impl Search<'_, '_> {
                 if distance.lo() == 0.0 && self.across.is_some_and(crosses) {
                     distance = Interval::point(0.0);
                 }
-                return Some(Root {
-                    outer: places(outer),
-                    inner: places(inner),
-                    distance,
-                    place: On::Spine,
-                    point: None,
-                });
+                let (outer, inner) = (places(outer), places(inner));
+                let about = about(&outer);
+                return Some(Root { outer, inner, distance, place: On::Spine, point: None, about });
             }
         }
         self.prove_exactly(cells, near)
@@ -411,7 +427,8 @@ impl Search<'_, '_> {
             if distance.lo() == 0.0 && self.across.is_some_and(|axes| Field::of_gap(&x, &y, axes).vanishes()) {
                 distance = Interval::point(0.0);
             }
-            let root = Root { outer: outer.clone(), inner, distance, place: On::Spine, point: None };
+            let about = about(&outer);
+            let root = Root { outer: outer.clone(), inner, distance, place: On::Spine, point: None, about };
             if let Some(root) = self.settled(root) {
                 return Some(root);
             }
@@ -431,7 +448,7 @@ impl Search<'_, '_> {
             return Some(root);
         }
         let at_end =
-            |[from, to]: &[Dyadic; 2]| ends.iter().find(|end| from.cmp(end).is_lt() && end.cmp(&to).is_lt()).cloned();
+            |[from, to]: &[Dyadic; 2]| ends.iter().find(|end| from.cmp(end).is_lt() && end.cmp(to).is_lt()).cloned();
         let [s, t] = root.inner.each_ref().map(at_end);
         if s.is_none() && t.is_none() {
             return Some(root);
@@ -620,6 +637,14 @@ fn stationary_on(frame: &Frame, end: &Dyadic, range: &[Dyadic; 2]) -> Option<boo
     Some(common_zero(&[across.bernstein(), along.bernstein()]).is_some())
 }
 
+/// Ranges in f64, a little wider.
+fn about(ranges: &[[Dyadic; 2]; 2]) -> [[f64; 2]; 2] {
+    ranges.each_ref().map(|[from, to]| {
+        let near = |x: &Dyadic| x.m.to_f64_shifted(-x.e);
+        [near(from) - 1e-6, near(to) + 1e-6]
+    })
+}
+
 /// A side rule on the exact arcs.
 fn exact_side(frame: &Frame, cells: [&Cell; 2]) -> Option<Node> {
     let [x, y] = cells.map(|cell| cell.exact(frame).forms());
@@ -627,57 +652,4 @@ fn exact_side(frame: &Frame, cells: [&Cell; 2]) -> Option<Node> {
     let d = x.difference(&y);
     let sided = |a| dot(&d, a).one_sign() == Some(true);
     if sided(&x.a) { Some(Node::Side([1, 0])) } else { sided(&y.a).then_some(Node::Side([0, 1])) }
-}
-
-#[cfg(test)]
-mod experiment {
-    use super::*;
-    use crate::spine::Spine;
-    #[test]
-    fn try_all() {
-        let mut names: Vec<_> = std::fs::read_dir("tests/curves").unwrap().map(|e| e.unwrap().path()).collect();
-        names.sort();
-        for name in names {
-            let spine = Spine::from_json_str(&std::fs::read_to_string(&name).unwrap()).unwrap();
-            let frame = Frame::new(&spine);
-            let options = crate::RadiusOptions::new();
-            let run = || {
-                let mut meter = options.meter();
-                let mut tree = Tree::new(&frame);
-                let width = vec![1e-9; frame.segments.len()];
-                let found = stationary_pairs(&mut tree, width, false, &mut meter);
-                (found, meter.cells)
-            };
-            let (found, cells) = run();
-            let start = std::time::Instant::now();
-            for _ in 0..20 {
-                run();
-            }
-            let t = start.elapsed() / 20;
-            println!(
-                "{} {:?} cells {} roots {} open {} nodes {}",
-                name.file_name().unwrap().to_str().unwrap(),
-                t,
-                cells,
-                found.roots.len(),
-                found.open.len(),
-                found.nodes.len()
-            );
-            let f = |x: &Dyadic| x.m.to_f64_shifted(-x.e);
-            for r in &found.roots {
-                let [s, t] = &r.inner;
-                println!(
-                    "   {:.9} {:.9}  {:?} w {:.1e}",
-                    f(&s[0]),
-                    f(&t[0]),
-                    frame.length(&crate::number::rational_from_f64(r.distance.mid()).unwrap()).to_string().len(),
-                    r.distance.hi() - r.distance.lo()
-                );
-                println!("   d = {}", ldexp(r.distance.mid(), -frame.scale));
-            }
-            for o in found.open.iter().take(5) {
-                println!("   open {:?}", o.places.map(|p| p.map(|p| f(&p.position()))));
-            }
-        }
-    }
 }

@@ -114,6 +114,9 @@ impl Net {
     }
 }
 
+/// A matrix of two rows.
+type Matrix<T> = [[T; 2]; 2];
+
 /// F on a box, in parts: rows along s.
 pub(crate) struct Field {
     parts: Vec<Vec<[Net; 2]>>,
@@ -149,8 +152,8 @@ impl Field {
     }
 
     /// Holds the derivatives of F1 and F2 along s and along t.
-    fn jacobian(&self) -> [[Interval; 2]; 2] {
-        let mut hull: Option<[[Interval; 2]; 2]> = None;
+    fn jacobian(&self) -> Matrix<Interval> {
+        let mut hull: Option<Matrix<Interval>> = None;
         for (row, ls) in self.parts.iter().zip(&self.sizes[0]) {
             for (f, lt) in row.iter().zip(&self.sizes[1]) {
                 let here = f.each_ref().map(|f| [f.slope(true) / *ls, f.slope(false) / *lt]);
@@ -161,7 +164,7 @@ impl Field {
     }
 
     /// Y and A.
-    fn preconditioned(&self) -> Option<([[f64; 2]; 2], [[Interval; 2]; 2])> {
+    fn preconditioned(&self) -> Option<(Matrix<f64>, Matrix<Interval>)> {
         let j = self.jacobian();
         let [[a, b], [c, d]] = j.map(|row| row.map(Interval::mid));
         let det = a * d - b * c;

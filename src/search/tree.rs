@@ -4,7 +4,7 @@
 use super::dyadic::Dyadic;
 use super::frame::Frame;
 use crate::bernstein::{Form, UNIT, Vec3};
-use crate::integer::Int;
+use crate::integer::{Int, ldexp};
 use crate::spine::Bezier;
 
 pub(crate) type V3 = [f64; 3];
@@ -47,6 +47,11 @@ impl Place {
     pub(crate) fn position(self) -> Dyadic {
         let fraction = Dyadic { m: Int::from(num_bigint::BigInt::from(self.fraction)), e: -i64::from(MAX_DEPTH) };
         Dyadic { m: Int::from(self.segment as i64), e: 0 }.add(&fraction)
+    }
+
+    /// The same, numerically.
+    pub(crate) fn near(self) -> f64 {
+        self.segment as f64 + ldexp(self.fraction as f64, -i64::from(MAX_DEPTH))
     }
 }
 

@@ -799,7 +799,7 @@ impl Oracle {
             }
             (s, t) = (s - ds, t - dt);
             last = ds.abs().max(dt.abs());
-            if !self.closed && !(s.abs() <= 1.0 && (0.0..=1.0).contains(&t) && s >= 0.0) {
+            if !(self.closed || (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)) {
                 return None;
             }
         }
