@@ -9,6 +9,7 @@ mod shapes;
 use oracle::{Oracle, Sampled, exact, not_above, reaches};
 use proptest::prelude::*;
 use random::*;
+use shapes::int;
 use tubecert::number::{lower_text, parse_rational, upper_text};
 use tubecert::{Claim, Curve, LimitedBy, Radius, RadiusOptions, Rational, Spine, Statement, radius, verify};
 
