@@ -343,12 +343,15 @@ impl Search<'_, '_> {
         let nets = [&gap.ds, &gap.dt].map(|f| Net::of(f, f.exp));
         let field = |part: [[f64; 2]; 2]| Field::single(nets.each_ref().map(|net| net.cut(part)));
         let outer = [wide, needed].into_iter().find(|part| field(*part).once())?;
-        for wider in [0.45, 29.0] {
+        // exact boxes of high degrees would take seconds each: a wider one then
+        let heavy = cells.iter().any(|cell| cell.r.len() > 24);
+        for wider in if heavy { [0.45, 29.0].as_slice() } else { &[0.45] } {
             let inner = [0, 1].map(|k| {
                 let half = (wider * self.width[cells[k].segment] / h[k]).min(0.04);
                 [near[k] - half, near[k] + half]
             });
-            if (0..2).all(|k| outer[k][0] < inner[k][0] && inner[k][1] < outer[k][1])
+            let within = (0..2).all(|k| outer[k][0] < inner[k][0] && inner[k][1] < outer[k][1]);
+            if within
                 && field(inner).vanishes()
                 && let Some(mut distance) = distance_over([x, y], &gap.d, inner)
             {
