@@ -303,6 +303,23 @@ impl Form<Int> {
         self.c.iter().all(Int::is_zero)
     }
 
+    /// The derivative of a univariate form.
+    pub(crate) fn derivative(&self) -> Self {
+        let n = self.c.len() - 1;
+        let times = |c: &Int, k: usize| c * &Int::from(k as i64);
+        let slope = |(i, p): (usize, &[Int])| &times(&p[1], i + 1) - &times(&p[0], n - i);
+        let c = self.c.windows(2).enumerate().map(slope).collect();
+        Self { ds: self.ds.saturating_sub(1), dt: self.dt.saturating_sub(1), c, ..*self }
+    }
+
+    /// A positive multiple of the Bernstein coefficients of a univariate form.
+    pub(crate) fn bernstein(&self) -> Vec<Int> {
+        let binomials = int_binomials(self.c.len() - 1);
+        let common = binomials.iter().fold(BigInt::one(), |all, c| lcm(&all, &c.big()));
+        let common = Int::from(common);
+        self.c.iter().zip(&binomials).map(|(c, binomial)| c * &exact_div(&common, binomial)).collect()
+    }
+
     fn max_bits(&self) -> i64 {
         self.c.iter().map(|x| x.bits() as i64).max().unwrap_or(0)
     }
@@ -394,6 +411,26 @@ impl Form<f64> {
         let c = binomials(ds).iter().zip(p).map(|(b, p)| b * p).collect();
         let rad = (rad + (UNIT + binomial_error(ds)) * mag) * SLACK + TINY;
         Self { ds, dt: 0, exp, c, norm: Ball { mag, rad } }
+    }
+
+    /// The derivative of a univariate form of degree 1 or more. Its Bernstein coefficients are n times the differences;
+    /// those held are off by the errors of both, and by the rounding of two products and a difference.
+    pub(crate) fn derivative(&self) -> Self {
+        let n = self.c.len() - 1;
+        let slope = |(i, p): (usize, &[f64])| (i + 1) as f64 * p[1] - (n - i) as f64 * p[0];
+        let c = self.c.windows(2).enumerate().map(slope).collect();
+        let (k, Ball { mag, rad }) = (2.0 * n as f64, self.norm);
+        let rad = k * (rad + (2.0 * UNIT + binomial_error(n)) * (mag + rad)) * SLACK + TINY;
+        let norm = Ball { mag: k * mag * SLACK, rad };
+        Self { ds: self.ds.saturating_sub(1), dt: self.dt.saturating_sub(1), exp: self.exp, c, norm }
+    }
+
+    /// Univariate Bernstein (unscaled) coefficients, each off by at most the number beside them.
+    pub(crate) fn strip(&self) -> (Vec<f64>, f64) {
+        let n = self.c.len() - 1;
+        let c = self.c.iter().zip(binomials(n).iter()).map(|(c, b)| c / b).collect();
+        let rad = self.norm.rad + (2.0 * UNIT + 2.0 * binomial_error(n)) * (self.norm.mag + self.norm.rad);
+        (c, rad * SLACK + TINY)
     }
 
     /// `max |p^| + rad`, from the coefficients.

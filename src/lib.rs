@@ -8,6 +8,8 @@ pub mod certificate;
 pub mod check;
 pub mod claim;
 mod construct;
+#[cfg(feature = "search")]
+mod curvature;
 pub mod curve;
 #[cfg(feature = "search")]
 pub mod enclosure;
@@ -32,6 +34,8 @@ mod spine;
 pub use certificate::Certificate;
 pub use check::{Rejection, Verified, verify};
 pub use claim::{Claim, Statement};
+#[cfg(feature = "search")]
+pub use curvature::{ConstantStretch, CriticalKind, CriticalPoint, Curvature, CurvatureOptions, curvature};
 pub use curve::Curve;
 pub use error::{Error, ErrorKind};
 pub use number::Rational;

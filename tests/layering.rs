@@ -26,6 +26,7 @@ const TABLE: &[(&str, &[&str])] = &[
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
     ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),
+    ("curvature", &["certificate", "check", "curve", "enclosure", "error", "number", "options", "search", "spine"]),
     ("radius", &["certificate", "check", "curve", "error", "number", "options", "search", "spine"]),
 ];
 

@@ -7,4 +7,5 @@ mod real;
 
 pub(crate) use common::{Place, common_zero};
 pub use complex::{ComplexRoot, complex_roots};
+pub(crate) use real::roots_inside;
 pub use real::{RealRoot, real_roots};

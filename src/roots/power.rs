@@ -135,7 +135,7 @@ pub(super) fn of_factors<R>(
 
 /// Square-free factors of a primitive p of degree 1 or more, pairwise coprime, with their multiplicities: p is the
 /// product of their powers, up to a constant.
-fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
+pub(super) fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
     let slope = trimmed(derivative(p));
     if coprime_modulo_a_prime(p, &slope) {
         return vec![(p.to_vec(), 1)];

@@ -10,7 +10,7 @@ use num_integer::Integer;
 use num_traits::{One, Signed, Zero};
 
 use super::common::halves;
-use super::power::{of_factors, to_bernstein};
+use super::power::{of_factors, square_free_factors, to_bernstein, to_power};
 use crate::error::Error;
 use crate::integer::Int;
 use crate::number::{Rational, compare};
@@ -74,6 +74,11 @@ impl RealRoot {
     #[must_use]
     pub fn hi(&self) -> Rational {
         Rational::new(&self.start + &self.length, BigInt::one() << self.depth)
+    }
+
+    /// Both ends, over 2 to the power that comes last.
+    pub(crate) fn ends(&self) -> ([BigInt; 2], u64) {
+        ([self.start.clone(), &self.start + &self.length], self.depth)
     }
 
     /// Narrows the interval to at most this length, if that is > 0, by quadratic interval refinement: each time the place is
@@ -142,6 +147,24 @@ impl RealRoot {
         self.length >>= common;
         self.depth -= common;
     }
+}
+
+/// The roots inside (0, 1) of the polynomial, not zero, with these Bernstein coefficients, in increasing order; their
+/// intervals are disjoint.
+pub(crate) fn roots_inside(bernstein: &[Int]) -> Vec<RealRoot> {
+    let p = to_power(bernstein);
+    let mut roots = vec![];
+    if p.len() > 1 {
+        for (factor, multiplicity) in square_free_factors(&p) {
+            let factor = Arc::new(factor);
+            let root = |(index, depth, length): (Int, u64, u8)| {
+                RealRoot { multiplicity, factor: factor.clone(), start: index.big(), length: length.into(), depth }
+            };
+            roots.extend(isolate(to_bernstein(&factor)).into_iter().map(root));
+        }
+    }
+    part(&mut roots);
+    roots
 }
 
 /// The roots of a square-free factor that are > 0, or those that are < 0.

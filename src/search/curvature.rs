@@ -26,16 +26,16 @@ pub(crate) struct Peak {
 /// Bernstein coefficients of a, b and w on a cell, in f64: value = 2^exp (c +- rad).
 #[derive(Clone)]
 pub(super) struct Strips {
-    a: Strip<3>,
-    b: Strip<3>,
-    w: Strip<1>,
+    pub(super) a: Strip<3>,
+    pub(super) b: Strip<3>,
+    pub(super) w: Strip<1>,
 }
 
 #[derive(Clone)]
-struct Strip<const N: usize> {
+pub(super) struct Strip<const N: usize> {
     c: Vec<[f64; N]>,
     rad: f64,
-    exp: i64,
+    pub(super) exp: i64,
 }
 
 impl<const N: usize> Strip<N> {
@@ -82,6 +82,17 @@ impl<const N: usize> Strip<N> {
         row[0]
     }
 
+    /// Holds the values, without 2^exp, from middle - half to middle + half, and the control points of the arc there: each
+    /// argument of the blossom moves it by at most `half` times the largest difference of control points.
+    pub(super) fn ball(&self, middle: f64, half: f64) -> [Interval; N] {
+        let n = self.c.len() - 1;
+        let largest = self.c.windows(2).map(|p| max_abs(&[std::array::from_fn::<f64, N, _>(|k| p[1][k] - p[0][k])]));
+        let steepest = largest.fold(0.0, f64::max) + 2.0 * self.rad;
+        let rounded = 8.0 * (n + 1) as f64 * UNIT * max_abs(&self.c);
+        let off = (n as f64 * half * steepest + rounded + self.rad) * (1.0 + 1e-9);
+        self.at(middle).map(|x| Interval::new((x - off).next_down(), (x + off).next_up()))
+    }
+
     fn longest(&self) -> f64 {
         self.c.iter().map(length).fold(0.0, f64::max) * (1.0 + 8.0 * UNIT) + 2.0 * self.rad
     }
@@ -98,7 +109,11 @@ fn length<const N: usize>(v: &[f64; N]) -> f64 {
 impl Strips {
     pub(super) fn new(bezier: &Bezier) -> Self {
         let (forms, b) = (bezier.forms(), bezier.binormal());
-        Self { a: Strip::new(forms.a.each_ref()), b: Strip::new(b.each_ref()), w: Strip::new([&forms.w]) }
+        Self::of(&forms.a, &b, &forms.w)
+    }
+
+    pub(super) fn of(a: &Vec3<Int>, b: &Vec3<Int>, w: &Form<Int>) -> Self {
+        Self { a: Strip::new(a.each_ref()), b: Strip::new(b.each_ref()), w: Strip::new([w]) }
     }
 
     pub(super) fn halves(&self) -> (Self, Self) {
@@ -142,7 +157,7 @@ impl Strips {
     }
 
     /// A crude lower bound for 1/kappa on the cell: shortest a along its mean, longest b, largest w.
-    fn floor(&self) -> f64 {
+    pub(super) fn floor(&self) -> f64 {
         let mean: [f64; 3] = std::array::from_fn(|k| self.a.c.iter().map(|v| v[k]).sum());
         let size = length(&mean);
         // not for a mean that rounding has eaten (a closed control polygon: its differences sum to 0)

@@ -53,6 +53,11 @@ impl Dyadic {
         a.cmp(&b)
     }
 
+    /// Nearest, but for under- and overflow.
+    pub(crate) fn to_f64(&self) -> f64 {
+        self.m.to_f64_shifted(-self.e)
+    }
+
     pub(crate) fn rational(&self) -> Rational {
         Rational::from(self.m.big()) * power_of_two(self.e)
     }

@@ -3,11 +3,13 @@
 pub(crate) mod apart;
 pub(crate) mod body;
 pub(crate) mod contact;
+pub(crate) mod critical;
 pub(crate) mod curvature;
 pub(crate) mod dyadic;
 pub(crate) mod ends;
 pub(crate) mod evidence;
 pub(crate) mod frame;
+pub(crate) mod kappa;
 pub(crate) mod meter;
 pub(crate) mod newton;
 pub(crate) mod pairs;

@@ -1,0 +1,122 @@
+//! The curvature itself: exactly at a point, enclosed on a short arc.
+
+use super::critical::{Bend, Zero};
+use super::curvature::Strips;
+use super::dyadic::{Dyadic, dot3};
+use crate::bernstein::{Form, Vec3};
+use crate::enclosure::Interval;
+use crate::integer::Int;
+use crate::roots::common_zero;
+use crate::spine::Bezier;
+use num_integer::Integer;
+use std::cmp::Ordering;
+
+/// kappa^2 at a point, as |b|^2 w^6 / |a|^6 in exact numbers.
+pub(crate) struct Exactly {
+    numerator: Dyadic,
+    denominator: Dyadic,
+}
+
+impl Exactly {
+    pub(crate) fn at(bend: &Bend, t: &Dyadic) -> Self {
+        let square = |v: &Vec3<Int>| {
+            let v = v.each_ref().map(|f| f.at(t));
+            dot3(&v, &v)
+        };
+        let (a, w) = (square(&bend.a), bend.w.at(t));
+        Self { numerator: square(&bend.b).mul(&w.sqr().mul(&w).sqr()), denominator: a.sqr().mul(&a) }
+    }
+
+    pub(crate) fn is_zero(&self) -> bool {
+        self.numerator.m.is_zero()
+    }
+
+    pub(crate) fn cmp(&self, other: &Self) -> Ordering {
+        self.numerator.mul(&other.denominator).cmp(&other.numerator.mul(&self.denominator))
+    }
+
+    /// kappa, tight.
+    pub(crate) fn root(&self) -> Interval {
+        if self.is_zero() {
+            return Interval::point(0.0);
+        }
+        // scaled by an even power of two to about 1: kappa^2 may lie beyond the range of f64
+        let size = |x: &Dyadic| x.m.bits() as i64 + x.e;
+        let half = Integer::div_floor(&(size(&self.numerator) - size(&self.denominator)), &2);
+        let (num, den, _) = Dyadic::aligned(&self.numerator, &self.denominator);
+        let (up, down) = ((-2 * half).max(0) as u64, (2 * half).max(0) as u64);
+        let square = Interval::from_ratio(&(num.big() << up), &(den.big() << down));
+        square.sqrt().scale2(half.clamp(-5000, 5000) as i32)
+    }
+}
+
+/// kappa on an arc, with all that the control vectors of a and b there say.
+fn over(strips: &Strips, middle: f64, half: f64) -> Interval {
+    let [(a, a_exp), (b, b_exp)] = [&strips.a, &strips.b].map(|strip| (length(strip.ball(middle, half)), strip.exp));
+    let [w] = strips.w.ball(middle, half);
+    if !a.is_positive() || a.lo() < 1e-60 {
+        return Interval::new(0.0, f64::INFINITY);
+    }
+    let x = w / a;
+    let exp = strips.w.exp * 3 - a_exp * 3 + b_exp;
+    (b * (x.sqr() * x)).abs().scale2(exp.clamp(-5000, 5000) as i32)
+}
+
+fn length(v: [Interval; 3]) -> Interval {
+    (v[0].sqr() + v[1].sqr() + v[2].sqr()).sqrt()
+}
+
+/// The curvature of a segment, on arcs of it.
+pub(crate) struct Kappa<'a> {
+    pub(crate) bezier: &'a Bezier,
+    pub(crate) bend: &'a Bend,
+    strips: Strips,
+}
+
+impl<'a> Kappa<'a> {
+    pub(crate) fn new(bezier: &'a Bezier, bend: &'a Bend) -> Self {
+        Self { bezier, bend, strips: Strips::of(&bend.a, &bend.b, &bend.w) }
+    }
+
+    /// kappa on all of the arc; `narrow` tells whether that will do.
+    pub(crate) fn on(&self, lo: &Dyadic, hi: &Dyadic, narrow: impl Fn(Interval) -> bool) -> Interval {
+        if lo == hi {
+            return Exactly::at(self.bend, lo).root();
+        }
+        let (from, to) = (lo.to_f64(), hi.to_f64());
+        // the ends are nearest to theirs, the middle is off by rounding
+        let half = 0.5 * (to - from).abs() + 4.0 * f64::EPSILON;
+        let first = over(&self.strips, (0.5 * (from + to)).clamp(0.0, 1.0), half);
+        if narrow(first) {
+            return first;
+        }
+        let arc = Bend::new(&self.bezier.arc(lo, hi));
+        let second = over(&Strips::of(&arc.a, &arc.b, &arc.w), 0.5, 0.5);
+        Interval::new(first.lo().max(second.lo()), first.hi().min(second.hi()))
+    }
+
+    /// No curvature of the arc, which may be long, is greater; infinite if that is not known.
+    pub(crate) fn at_most(&self, lo: &Dyadic, hi: &Dyadic) -> f64 {
+        let arc = Bend::new(&self.bezier.arc(lo, hi));
+        // beyond 1e300 its inverse may have no normal f64
+        (1.0 / Strips::of(&arc.a, &arc.b, &arc.w).floor().min(1e300)).next_up()
+    }
+
+    /// Is b = 0 at the zero of N?
+    pub(crate) fn inflects(&self, zero: &Zero) -> bool {
+        let Zero { lo, hi, .. } = zero;
+        if lo == hi {
+            return Exactly::at(self.bend, lo).is_zero();
+        }
+        // where b is 0 all its coordinates are
+        let (from, to) = (lo.to_f64(), hi.to_f64());
+        let half = 0.5 * (to - from).abs() + 4.0 * f64::EPSILON;
+        let near = self.strips.b.ball((0.5 * (from + to)).clamp(0.0, 1.0), half);
+        if near.iter().any(|x| !x.contains(0.0)) {
+            return false;
+        }
+        let b = self.bezier.arc(lo, hi).binormal();
+        let b: Vec<Vec<Int>> = b.iter().filter(|f| !f.is_zero()).map(Form::bernstein).collect();
+        common_zero(&b).is_some()
+    }
+}
