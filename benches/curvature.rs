@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use tubecert::{Curvature, Curve, CurvatureOptions, Spine, curvature};
+use tubecert::{Curvature, CurvatureOptions, Curve, Spine, curvature};
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;
@@ -35,12 +35,16 @@ fn bench(c: &mut Criterion) {
         let spine = Spine::from_curve(curve).expect("a spine");
         let answer = curvature(&spine, &options).unwrap();
         println!("{name} {:?} {:?}", answer.kappa_max, answer.at);
-        for p in &answer.critical_points { println!("   {p:?}"); }
+        for p in &answer.critical_points {
+            println!("   {p:?}");
+        }
         println!("{:?} {}", answer.constant, answer.complete);
         group.bench_function(name, |b| {
             b.iter(|| {
                 let answer = curvature(black_box(&spine), &options).expect("an answer");
-                if kappa_max > 0.0 { checked(&answer, kappa_max, zeros); }
+                if kappa_max > 0.0 {
+                    checked(&answer, kappa_max, zeros);
+                }
             });
         });
     }

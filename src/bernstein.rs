@@ -312,14 +312,6 @@ impl Form<Int> {
         Self { ds: self.ds.saturating_sub(1), dt: self.dt.saturating_sub(1), c, ..*self }
     }
 
-    /// A positive multiple of the Bernstein coefficients of a univariate form.
-    pub(crate) fn bernstein(&self) -> Vec<Int> {
-        let binomials = int_binomials(self.c.len() - 1);
-        let common = binomials.iter().fold(BigInt::one(), |all, c| lcm(&all, &c.big()));
-        let common = Int::from(common);
-        self.c.iter().zip(&binomials).map(|(c, binomial)| c * &exact_div(&common, binomial)).collect()
-    }
-
     fn max_bits(&self) -> i64 {
         self.c.iter().map(|x| x.bits() as i64).max().unwrap_or(0)
     }

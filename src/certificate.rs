@@ -2,10 +2,12 @@
 //! is read, from whatever text, is only evidence.
 #![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod curvature;
 mod pairs;
 mod text;
 
 use crate::number::Rational;
+pub(crate) use curvature::Course;
 pub(crate) use pairs::{Evidence as PairsEvidence, Isolated};
 pub use text::{MAX_CERTIFICATE_BYTES, MAX_CERTIFICATE_DIGITS};
 
@@ -23,6 +25,7 @@ pub struct Certificate {
 pub(crate) enum Evidence {
     Radius(Tube),
     Pairs(pairs::Evidence),
+    Curvature(Course),
 }
 
 /// That delta lies in [lo, hi].

@@ -1,11 +1,16 @@
 //! What is claimed: apart from the evidence, and about a curve that is given with it.
 #![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod curvature;
 mod pairs;
 
 use crate::curve::Curve;
 use crate::number::Rational;
+pub use curvature::{Critical, CriticalKind, CriticalPoints, Stretch};
 pub use pairs::{PairBox, Pairs};
+
+/// What a JSON enclosure says: at least the first, at most the second; null is `None`, +infinity.
+pub type Bounds = [Option<Rational>; 2];
 
 /// A statement about a curve.
 #[derive(Debug, Clone)]
@@ -29,4 +34,6 @@ pub enum Statement {
     },
     /// Which pairs of points are stationary.
     Pairs(Pairs),
+    /// "These are the greatest curvature and the critical points of curvature".
+    Curvature(CriticalPoints),
 }

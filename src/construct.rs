@@ -207,6 +207,7 @@ impl Certificate {
         let statement = match &self.evidence {
             Evidence::Radius(Tube { lo, hi, .. }) => Statement::Radius { lo: lo.clone(), hi: hi.clone() },
             Evidence::Pairs(pairs) => Statement::Pairs(pairs.claim.clone()),
+            Evidence::Curvature(course) => Statement::Curvature(course.claim.clone()),
         };
         Claim { curve, statement }
     }

@@ -33,9 +33,9 @@ mod spine;
 
 pub use certificate::Certificate;
 pub use check::{Rejection, Verified, verify};
-pub use claim::{Claim, Statement};
+pub use claim::{Claim, CriticalKind, Statement};
 #[cfg(feature = "search")]
-pub use curvature::{ConstantStretch, CriticalKind, CriticalPoint, Curvature, CurvatureOptions, curvature};
+pub use curvature::{ConstantStretch, CriticalPoint, Curvature, CurvatureOptions, curvature};
 pub use curve::Curve;
 pub use error::{Error, ErrorKind};
 pub use number::Rational;

@@ -14,6 +14,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("print", &["error", "number"]),
     // certificate, claim: to propose a claim
     ("construct", &["certificate", "claim", "curve", "error", "number", "print"]),
+    // claim: the statement that evidence would prove
     ("certificate", &["claim", "error", "number"]),
     ("claim", &["curve", "number"]),
     ("check", &["certificate", "claim", "curve", "error", "number"]),
@@ -26,7 +27,10 @@ const TABLE: &[(&str, &[&str])] = &[
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
     ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),
-    ("curvature", &["certificate", "check", "curve", "enclosure", "error", "number", "options", "search", "spine"]),
+    (
+        "curvature",
+        &["certificate", "claim", "enclosure", "error", "integer", "number", "options", "roots", "search", "spine"],
+    ),
     ("radius", &["certificate", "check", "curve", "error", "number", "options", "search", "spine"]),
 ];
 

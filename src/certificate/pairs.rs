@@ -66,13 +66,13 @@ impl Evidence {
         lines.after("along")?;
         let along = lines.nodes();
         let (mut pairs, mut undecided, mut isolated) = (vec![], vec![], vec![]);
-        while lines.starts_with("claim") {
+        while lines.next_is("claim") {
             pairs.push(PairBox::decode(lines, "claim")?);
         }
-        while lines.starts_with("undecided") {
+        while lines.next_is("undecided") {
             undecided.push(PairBox::decode(lines, "undecided")?);
         }
-        while lines.starts_with("alone") {
+        while lines.next_is("alone") {
             let mut ranges = |word| {
                 let fields = lines.fields(word)?;
                 let [a, b, c, d] = lines.rationals(fields)?;

@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, EndTree, Evidence, Foot, Node, PairsEvidence, Tube, Upper};
+use super::{Certificate, Course, EndTree, Evidence, Foot, Node, PairsEvidence, Tube, Upper};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -46,6 +46,7 @@ impl Certificate {
         let (kind, text) = match &self.evidence {
             Evidence::Radius(tube) => ("radius", tube.encode()),
             Evidence::Pairs(pairs) => ("pairs", pairs.encode()),
+            Evidence::Curvature(course) => ("curvature", course.encode()),
         };
         format!("{HEAD} {kind}\ncurve {}\n{text}end\n", self.digest)
     }
@@ -58,6 +59,7 @@ impl Certificate {
                 counted([along].into_iter().chain(pairs).chain(ends).flatten())
             }
             Evidence::Pairs(pairs) => counted(pairs.along.iter().chain(&pairs.tree)),
+            Evidence::Curvature(course) => course.leaves(),
         }
     }
 }
@@ -79,6 +81,11 @@ pub(super) fn push_tree(out: &mut String, head: impl Display, nodes: &[Node]) {
     }
 }
 
+/// Rationals parted by spaces.
+pub(super) fn list(numbers: &[Rational]) -> String {
+    numbers.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ")
+}
+
 impl Tube {
     fn encode(&self) -> String {
         let bound = |b: &Option<Rational>| b.as_ref().map_or("inf".to_string(), to_fraction_text);
@@ -91,7 +98,6 @@ impl Tube {
             let ([x, y, z], nodes) = end;
             push_tree(&mut out, format_args!("{name} {x} {y} {z}"), nodes);
         }
-        let list = |v: &[Rational]| v.iter().map(to_fraction_text).collect::<Vec<_>>().join(" ");
         out + &match &self.upper {
             Upper::None => "upper none\n".to_string(),
             Upper::Curvature { span, t } => format!("upper curvature {span} {}\n", to_fraction_text(t)),
@@ -160,7 +166,7 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    fn error(&self, what: impl Display) -> Error {
+    pub(super) fn error(&self, what: impl Display) -> Error {
         undecodable(self.number, what)
     }
 
@@ -181,6 +187,7 @@ impl<'a> Lines<'a> {
         let evidence = match kind {
             "radius" => Evidence::Radius(self.tube()?),
             "pairs" => Evidence::Pairs(PairsEvidence::decode(self)?),
+            "curvature" => Evidence::Curvature(Course::read(self)?),
             _ => return Err(undecodable(1, format_args!("this version knows no certificates of {}", excerpt(kind)))),
         };
         self.after("end")?;
@@ -194,7 +201,7 @@ impl<'a> Lines<'a> {
         let along = self.nodes();
         let bounded = lo.as_ref().is_some_and(|lo| !lo.is_zero());
         let pairs = if bounded { Some(self.after("pairs").map(|_| self.nodes())?) } else { None };
-        let open = self.starts_with("start");
+        let open = self.next_is("start");
         let ends = if bounded && open { Some([self.end_tree("start")?, self.end_tree("finish")?]) } else { None };
         let upper = self.upper()?;
         Ok(Tube { lo, hi, along, pairs, ends, upper })
@@ -204,10 +211,6 @@ impl<'a> Lines<'a> {
         let fields = self.after(words)?;
         let found = fields.len();
         fields.try_into().map_err(|_| self.error(format_args!("{found} fields after {words:?}; wanted {N}")))
-    }
-
-    pub(super) fn starts_with(&mut self, word: &str) -> bool {
-        self.rest.peek().is_some_and(|line| line.starts_with(word))
     }
 
     /// The nodes up to the first line that is none.
@@ -225,6 +228,17 @@ impl<'a> Lines<'a> {
         let fields: [&str; 3] = self.fields(name)?;
         let axis = whole(&fields).ok_or_else(|| self.error("wanted three integers"))?;
         Ok((axis, self.nodes()))
+    }
+
+    /// Does the next line start like this?
+    pub(super) fn next_is(&mut self, start: &str) -> bool {
+        self.rest.peek().is_some_and(|line| line.starts_with(start))
+    }
+
+    /// Two numbers of any sign; `inf` is `None`.
+    pub(super) fn bounds(&self, fields: [&str; 2]) -> Result<[Option<Rational>; 2], Error> {
+        let bound = |text: &str| if text == "inf" { Ok(None) } else { self.rational(text).map(Some) };
+        Ok([bound(fields[0])?, bound(fields[1])?])
     }
 
     fn bound(&mut self, name: &str) -> Result<Option<Rational>, Error> {
@@ -293,7 +307,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    fn index(&self, text: &str) -> Result<usize, Error> {
+    pub(super) fn index(&self, text: &str) -> Result<usize, Error> {
         text.parse().map_err(|_| self.error(format_args!("{} is no index", excerpt(text))))
     }
 }

@@ -4,6 +4,7 @@
 #![deny(clippy::indexing_slicing, clippy::unimplemented, clippy::todo)]
 
 mod arc;
+mod curvature;
 mod field;
 mod pairs;
 mod poly;
@@ -57,7 +58,10 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
     match (&claim.statement, &certificate.evidence) {
         (Statement::Radius { lo, hi }, Evidence::Radius(tube)) => radius::verify(&spine, [lo, hi], tube)?,
         (Statement::Pairs(pairs), Evidence::Pairs(found)) => pairs::verify(&spine, &claim.curve, pairs, found)?,
-        _ => return Err(Rejection::of("claim", "the certificate is for another kind of claim")),
+        (Statement::Curvature(points), Evidence::Curvature(course)) => {
+            curvature::verify(&claim.curve, &spine, points, course)?;
+        }
+        _ => return Err(Rejection::of("kind", "the certificate is of another kind")),
     }
     Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves: certificate.leaves() })
 }

@@ -1,35 +1,9 @@
 //! What is asked of `curvature`, and what it answers.
 
 use crate::certificate::Certificate;
+use crate::claim::CriticalKind;
 use crate::options::{Enclosure, options};
 use crate::search::meter::Stop;
-
-/// How the curvature behaves at a critical point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum CriticalKind {
-    /// kappa rises before and falls after.
-    Maximum,
-    /// kappa falls before and rises after, and is not 0.
-    Minimum,
-    /// kappa = 0: b = 0 at a zero of the critical polynomial.
-    Inflection,
-    /// A joint of two segments where kappa jumps, or is continuous with a turn or a stop that only one side has.
-    Joint,
-}
-
-impl CriticalKind {
-    /// The word used in JSON.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Maximum => "maximum",
-            Self::Minimum => "minimum",
-            Self::Inflection => "inflection",
-            Self::Joint => "joint",
-        }
-    }
-}
 
 /// A critical point of curvature: a zero of the critical polynomial N of a segment, or a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]

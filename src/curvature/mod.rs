@@ -1,15 +1,17 @@
 //! The critical points of curvature: options in, enclosures out (theory.md, sections 1 and 3).
 
 mod answer;
+mod evidence;
 
-pub use answer::{ConstantStretch, CriticalKind, CriticalPoint, Curvature, CurvatureOptions};
+pub use answer::{ConstantStretch, CriticalPoint, Curvature, CurvatureOptions};
 
+use crate::claim::CriticalKind;
 use crate::enclosure::Interval;
 use crate::error::Error;
-use crate::number::{Rational, f64_above, f64_below};
+use crate::number::{Rational, f64_above, f64_below, same};
 use crate::options::{self, Enclosure};
 use crate::search::critical::{Bend, Course, End, Zero, course};
-use crate::search::dyadic::Dyadic;
+use crate::search::dyadic::{Dyadic, step};
 use crate::search::kappa::{Exactly, Kappa};
 use crate::search::meter::Meter;
 use crate::spine::{Segment, Spine};
@@ -42,16 +44,23 @@ pub fn curvature(spine: &Spine, options: &CurvatureOptions) -> Result<Curvature,
     let widths = Widths::new(spine, options.rel_width);
     let arcs: Vec<Arc> = spine.segments.iter().map(|segment| Arc::new(segment, &widths, &mut meter)).collect();
 
-    let mut list = List { points: vec![], constant: vec![], max: Enclosure::ZERO, at: None, decided: true };
+    let mut list = List {
+        points: vec![],
+        constant: vec![],
+        max: Enclosure::ZERO,
+        at: None,
+        witness: (0, Dyadic::ZERO),
+        decided: true,
+    };
     // the seam of a closed spine is a joint, at the start
     let mut before = arcs.last().filter(|_| spine.closed).map(|arc| &arc.sides[1]);
-    for (segment, arc) in spine.segments.iter().zip(&arcs) {
-        list.boundary(&segment.from, before, Some(&arc.sides[0]));
-        list.inside(segment, arc);
+    for (k, (segment, arc)) in spine.segments.iter().zip(&arcs).enumerate() {
+        list.boundary(&segment.from, before, Some(&arc.sides[0]), [k.checked_sub(1).unwrap_or(arcs.len() - 1), k]);
+        list.inside(segment, arc, k);
         before = Some(&arc.sides[1]);
     }
     if !spine.closed {
-        list.boundary(spine.curve().domain().1, before, None);
+        list.boundary(spine.curve().domain().1, before, None, [arcs.len() - 1, 0]);
     }
     part(&mut list.points);
     let at = list.at.unwrap_or_else(|| Enclosure::of(spine.curve().domain().0));
@@ -61,7 +70,7 @@ pub fn curvature(spine: &Spine, options: &CurvatureOptions) -> Result<Curvature,
         && list.constant.iter().all(|stretch| stretch.kappa.is_within(widths.share))
         && list.max.is_within(widths.share)
         && widths.parameter(&at);
-    Ok(Curvature {
+    let mut answer = Curvature {
         kappa_max: list.max,
         at,
         critical_points: list.points,
@@ -70,7 +79,11 @@ pub fn curvature(spine: &Spine, options: &CurvatureOptions) -> Result<Curvature,
         certificate: None,
         cells: meter.cells,
         stopped: meter.stopped,
-    })
+    };
+    if options.certificate {
+        answer.certificate = evidence::certificate(spine, &arcs, list.witness, &answer);
+    }
+    Ok(answer)
 }
 
 /// So often a segment is searched for narrower parameters, each time by this factor, while a curvature is too wide.
@@ -92,7 +105,8 @@ impl Widths {
 
     /// In the parameter of a segment, with room for rounding.
     fn inside(&self, segment: &Segment) -> f64 {
-        let times = f64_below(&(&self.domain / (&segment.to - &segment.from)));
+        let length = &segment.to - &segment.from;
+        let times = if same(&length, &self.domain) { 1.0 } else { f64_below(&(&self.domain / length)) };
         0.25 * self.share * times.min(1e9)
     }
 
@@ -170,24 +184,28 @@ struct List {
     constant: Vec<ConstantStretch>,
     max: Enclosure,
     at: Option<Enclosure>,
+    /// A segment and a parameter of it, in `at`.
+    witness: (usize, Dyadic),
     decided: bool,
 }
 
 impl List {
     /// The curvature `kappa` at a place that may be the greatest.
-    fn candidate(&mut self, t: Enclosure, kappa: Enclosure) {
+    fn candidate(&mut self, t: Enclosure, kappa: Enclosure, place: (usize, Dyadic)) {
         if self.at.is_none() || kappa.lo > self.max.lo {
-            self.at = Some(t);
+            (self.at, self.witness) = (Some(t), place);
         }
         self.max = Enclosure { lo: self.max.lo.max(kappa.lo), hi: self.max.hi.max(kappa.hi) };
     }
 
     /// A joint, or one end of an open spine.
-    fn boundary(&mut self, knot: &Rational, before: Option<&Side>, after: Option<&Side>) {
+    fn boundary(&mut self, knot: &Rational, before: Option<&Side>, after: Option<&Side>, segments: [usize; 2]) {
         let t = Enclosure::of(knot);
         let sides = || before.into_iter().chain(after);
-        for side in sides() {
-            self.candidate(t, side.root);
+        for (side, place) in [before, after].iter().zip(segments.into_iter().zip([Dyadic::ONE, Dyadic::ZERO])) {
+            if let Some(side) = side {
+                self.candidate(t, side.root, place);
+            }
         }
         let kappa = |pick: fn(&Enclosure) -> f64| sides().map(|side| pick(&side.root)).fold(0.0, f64::max);
         let kappa = Enclosure { lo: kappa(|e| e.lo), hi: kappa(|e| e.hi) };
@@ -223,14 +241,13 @@ impl List {
         self.points.push(CriticalPoint { t, kappa, kind, unique });
     }
 
-    fn inside(&mut self, segment: &Segment, arc: &Arc) {
+    fn inside(&mut self, segment: &Segment, arc: &Arc, k: usize) {
         if let [Side { end: None, root, .. }, _] = arc.sides {
             let (from, to) = (f64_above(&segment.from), f64_below(&segment.to));
             self.constant.push(ConstantStretch { from, to, kappa: root });
         }
         for Inner { zero, kappa, inflection } in &arc.inner {
-            let parameter = |t: &Dyadic| &segment.from + t.rational() * (&segment.to - &segment.from);
-            let t = Enclosure::between(&parameter(&zero.lo), &parameter(&zero.hi));
+            let t = parameters(segment, &zero.lo, &zero.hi);
             let kind = match (zero.before, zero.after) {
                 _ if *inflection => Some(CriticalKind::Inflection),
                 (Ordering::Greater, Ordering::Less) if zero.known => Some(CriticalKind::Maximum),
@@ -238,10 +255,28 @@ impl List {
                 _ => None,
             };
             self.decided &= zero.known;
-            self.candidate(t, *kappa);
+            self.candidate(t, *kappa, (k, zero.lo.add(&zero.hi).mul(&step(1))));
             self.points.push(CriticalPoint { t, kappa: *kappa, kind, unique: zero.simple });
         }
     }
+}
+
+/// A stretch of a segment in the curve's own knots.
+fn parameters(segment: &Segment, lo: &Dyadic, hi: &Dyadic) -> Enclosure {
+    let known = |x: &Rational| Interval::new(f64_below(x), f64_above(x));
+    let rounded = |t: &Dyadic| {
+        let x = t.to_f64();
+        if t.m.bits() <= 53 { Interval::point(x) } else { Interval::new(x.next_down(), x.next_up()) }
+    };
+    let start = known(&segment.from);
+    let length = known(&segment.to) - start;
+    let [from, to] = [lo, hi].map(|t| start + rounded(t) * length);
+    if from.lo().is_finite() && to.hi().is_finite() {
+        return Enclosure { lo: from.lo(), hi: to.hi() };
+    }
+    // knots beyond the range of f64
+    let exact = |t: &Dyadic| &segment.from + t.rational() * (&segment.to - &segment.from);
+    Enclosure::between(&exact(lo), &exact(hi))
 }
 
 /// A point is unique only if its `t` meets no other, as it will be printed: up to two steps further out.

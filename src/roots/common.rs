@@ -52,6 +52,12 @@ pub(crate) fn common_zero(polys: &[Vec<Int>]) -> Option<Place> {
     }
 }
 
+/// The greatest common factor, by Bernstein coefficients on [0, 1] like the polynomials themselves.
+pub(crate) fn common_factor(polys: &[Vec<Int>]) -> Vec<Int> {
+    let common = polys.iter().map(|p| to_power(p)).reduce(poly_gcd).unwrap_or_default();
+    if common.is_empty() { vec![Int::ZERO] } else { to_bernstein(&common) }
+}
+
 /// Depth-first, left half first. `Err` when a cell at depth `patience` is still open.
 fn bisect(start: (Vec<Vec<Int>>, Int, u32), patience: u32) -> Result<Option<Place>, ()> {
     let mut stack = vec![start];

@@ -5,7 +5,7 @@ mod complex;
 mod power;
 mod real;
 
-pub(crate) use common::{Place, common_zero};
+pub(crate) use common::{Place, common_factor, common_zero};
 pub use complex::{ComplexRoot, complex_roots};
 pub(crate) use real::roots_inside;
 pub use real::{RealRoot, real_roots};

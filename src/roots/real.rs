@@ -157,8 +157,12 @@ pub(crate) fn roots_inside(bernstein: &[Int]) -> Vec<RealRoot> {
     if p.len() > 1 {
         for (factor, multiplicity) in square_free_factors(&p) {
             let factor = Arc::new(factor);
-            let root = |(index, depth, length): (Int, u64, u8)| {
-                RealRoot { multiplicity, factor: factor.clone(), start: index.big(), length: length.into(), depth }
+            let root = |(index, depth, length): (Int, u64, u8)| RealRoot {
+                multiplicity,
+                factor: factor.clone(),
+                start: index.big(),
+                length: length.into(),
+                depth,
             };
             roots.extend(isolate(to_bernstein(&factor)).into_iter().map(root));
         }

@@ -56,9 +56,14 @@ impl Bend {
     }
 
     /// In f64, in the second variable: products then run along rows.
-    fn near(&self) -> Near {
+    pub(crate) fn near(&self) -> Near {
         let cast = |form: &Form<Int>| f64::cast(form).transposed();
-        Near::new(&critical(&self.a.each_ref().map(cast), &self.b.each_ref().map(cast), &cast(&self.w), Form::<f64>::derivative))
+        Near::new(&critical(
+            &self.a.each_ref().map(cast),
+            &self.b.each_ref().map(cast),
+            &cast(&self.w),
+            Form::<f64>::derivative,
+        ))
     }
 
     pub(crate) fn critical(&self) -> Form<Int> {
@@ -93,7 +98,10 @@ pub(crate) struct End {
 pub(crate) enum Course {
     /// N is 0: the curvature is constant.
     Constant,
-    Varying { ends: [End; 2], zeros: Vec<Zero> },
+    Varying {
+        ends: [End; 2],
+        zeros: Vec<Zero>,
+    },
 }
 
 /// All zeros of N, those inside to `width` of the segment if f64 and the meter allow.
@@ -161,7 +169,9 @@ pub(crate) fn part(form: &Form<Int>, from: &Dyadic, to: &Dyadic) -> Form<Int> {
     let (rest_a, rest_b) = (&one - &a, &one - &b);
     // Horner in t and 1 - t, both linear in the new parameter
     let product = |p: &[Int], from: &Int, to: &Int| -> Vec<Int> {
-        let at = |k: usize| &(if k < p.len() { &p[k] * from } else { Int::ZERO }) + &(if k > 0 { &p[k - 1] * to } else { Int::ZERO });
+        let at = |k: usize| {
+            &(if k < p.len() { &p[k] * from } else { Int::ZERO }) + &(if k > 0 { &p[k - 1] * to } else { Int::ZERO })
+        };
         (0..=p.len()).map(at).collect()
     };
     let (mut value, mut power) = (vec![], vec![Int::ONE]);
@@ -174,7 +184,7 @@ pub(crate) fn part(form: &Form<Int>, from: &Dyadic, to: &Dyadic) -> Form<Int> {
 }
 
 /// Bernstein coefficients on a cell, each off by at most `rad`.
-struct Near {
+pub(crate) struct Near {
     c: Vec<f64>,
     rad: f64,
     /// The greatest |coefficient|.
@@ -257,6 +267,8 @@ impl Near {
     /// About where the function, with one change of sign, is 0: Newton's method between safe ends.
     fn root(&self, rises: bool, row: &mut Vec<f64>) -> f64 {
         let (mut lo, mut hi, mut x) = (0.0, 1.0, 0.5);
+        // far below what is uncertain, far above what jitters
+        let noise = 0.1 * self.rounded();
         for _ in 0..100 {
             let [value, slope] = self.at(x, row);
             if (value < 0.0) == rises {
@@ -266,7 +278,7 @@ impl Near {
             }
             let next = x - value / slope;
             let next = if next > lo && next < hi { next } else { 0.5 * (lo + hi) };
-            if (next - x).abs() < 2.0 * UNIT || value == 0.0 {
+            if value.abs() <= noise || (next - x).abs() < 2.0 * UNIT {
                 break;
             }
             x = next;

@@ -82,15 +82,41 @@ impl<const N: usize> Strip<N> {
         row[0]
     }
 
-    /// Holds the values, without 2^exp, from middle - half to middle + half, and the control points of the arc there: each
-    /// argument of the blossom moves it by at most `half` times the largest difference of control points.
+    /// Holds the values, without 2^exp, from middle - half to middle + half, and the control points of the arc there.
+    ///
+    /// A control point is a blossom whose n arguments are `half` or less from the middle. By its multiaffine expansion it is
+    /// off from the value there by at most half |derivative| + sum of C(n,k) half^k |differences of order k|, k >= 2,
+    /// and those differences are at most 2^k times the largest coefficient.
     pub(super) fn ball(&self, middle: f64, half: f64) -> [Interval; N] {
-        let n = self.c.len() - 1;
-        let largest = self.c.windows(2).map(|p| max_abs(&[std::array::from_fn::<f64, N, _>(|k| p[1][k] - p[0][k])]));
-        let steepest = largest.fold(0.0, f64::max) + 2.0 * self.rad;
-        let rounded = 8.0 * (n + 1) as f64 * UNIT * max_abs(&self.c);
-        let off = (n as f64 * half * steepest + rounded + self.rad) * (1.0 + 1e-9);
-        self.at(middle).map(|x| Interval::new((x - off).next_down(), (x + off).next_up()))
+        let (n, size) = (self.c.len() - 1, max_abs(&self.c) + self.rad);
+        let mut row = self.c.clone();
+        for m in (1..n).rev() {
+            for i in 0..=m {
+                row[i] = std::array::from_fn(|k| row[i][k] + middle * (row[i + 1][k] - row[i][k]));
+            }
+        }
+        let next = row[n.min(1)];
+        let step = 2.0 * n as f64 * half;
+        if step.is_nan() || step > 0.5 {
+            return [Interval::new(f64::NEG_INFINITY, f64::INFINITY); N];
+        }
+        // the sum is at most exp(step) - 1 - step
+        let bent = step * step * size;
+        let rounded = 8.0 * (n + 1) as f64 * UNIT * size + self.rad;
+        std::array::from_fn(|k| {
+            let slope = next[k] - row[0][k];
+            let value = row[0][k] + middle * slope;
+            let off = (n as f64 * half * (slope.abs() + 2.0 * rounded) + bent + rounded) * (1.0 + 1e-9);
+            Interval::new((value - off).next_down(), (value + off).next_up())
+        })
+    }
+
+    /// Holds the control points, without 2^exp.
+    pub(super) fn hull(&self) -> [Interval; N] {
+        let bound = |k: usize, pick: fn(f64, f64) -> f64| self.c.iter().map(|c| c[k]).fold(self.c[0][k], pick);
+        std::array::from_fn(|k| {
+            Interval::new((bound(k, f64::min) - self.rad).next_down(), (bound(k, f64::max) + self.rad).next_up())
+        })
     }
 
     fn longest(&self) -> f64 {

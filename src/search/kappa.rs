@@ -50,15 +50,14 @@ impl Exactly {
     }
 }
 
-/// kappa on an arc, with all that the control vectors of a and b there say.
-fn over(strips: &Strips, middle: f64, half: f64) -> Interval {
-    let [(a, a_exp), (b, b_exp)] = [&strips.a, &strips.b].map(|strip| (length(strip.ball(middle, half)), strip.exp));
-    let [w] = strips.w.ball(middle, half);
-    if !a.is_positive() || a.lo() < 1e-60 {
+/// kappa from all that a, b and w can be on an arc, control vectors included.
+fn over(strips: &Strips, a: [Interval; 3], b: [Interval; 3], [w]: [Interval; 1]) -> Interval {
+    let (a, b) = (length(a), length(b));
+    if a.lo() < 1e-60 {
         return Interval::new(0.0, f64::INFINITY);
     }
     let x = w / a;
-    let exp = strips.w.exp * 3 - a_exp * 3 + b_exp;
+    let exp = 3 * strips.w.exp - 3 * strips.a.exp + strips.b.exp;
     (b * (x.sqr() * x)).abs().scale2(exp.clamp(-5000, 5000) as i32)
 }
 
@@ -86,12 +85,15 @@ impl<'a> Kappa<'a> {
         let (from, to) = (lo.to_f64(), hi.to_f64());
         // the ends are nearest to theirs, the middle is off by rounding
         let half = 0.5 * (to - from).abs() + 4.0 * f64::EPSILON;
-        let first = over(&self.strips, (0.5 * (from + to)).clamp(0.0, 1.0), half);
+        let middle = (0.5 * (from + to)).clamp(0.0, 1.0);
+        let Strips { a, b, w } = &self.strips;
+        let first = over(&self.strips, a.ball(middle, half), b.ball(middle, half), w.ball(middle, half));
         if narrow(first) {
             return first;
         }
         let arc = Bend::new(&self.bezier.arc(lo, hi));
-        let second = over(&Strips::of(&arc.a, &arc.b, &arc.w), 0.5, 0.5);
+        let strips = Strips::of(&arc.a, &arc.b, &arc.w);
+        let second = over(&strips, strips.a.hull(), strips.b.hull(), strips.w.hull());
         Interval::new(first.lo().max(second.lo()), first.hi().min(second.hi()))
     }
 

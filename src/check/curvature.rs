@@ -1,0 +1,302 @@
+//! The critical points of curvature: docs/certificate-format.md, section 7.
+
+use std::rc::Rc;
+
+use num_bigint::{BigInt, Sign};
+use num_traits::{One, Zero};
+
+use super::arc::{Piece, Spine};
+use super::poly::{Poly, dot};
+use super::rules::{Why, check, curvature, positive};
+use super::{Rejection, wanted};
+use crate::certificate::Course;
+use crate::claim::{Bounds, Critical, CriticalKind, CriticalPoints};
+use crate::curve::Curve;
+use crate::number::{Rational, compare, same};
+
+/// Where kappa is looked at: on a whole piece, or at a parameter of it.
+struct Place(Rc<Piece>, Option<Rational>);
+
+/// What a point of the claim must hold: zeros of N on a cell of a span, or at a place, or a joint that stands out.
+struct Item {
+    from: Rational,
+    to: Rational,
+    /// It is one point, and no multiple zero of N.
+    simple: bool,
+    joint: bool,
+    /// kappa jumps here.
+    jumps: bool,
+    /// The signs of N before and after; `NoSign` where there is nothing, or the curvature is constant.
+    signs: [Sign; 2],
+    /// One, or both sides of a joint.
+    places: Vec<Place>,
+    /// b = 0 at the one zero.
+    inflection: bool,
+}
+
+impl Item {
+    fn new(from: Rational, to: Rational, signs: [Sign; 2], places: Vec<Place>) -> Self {
+        Self { from, to, signs, places, simple: false, joint: false, jumps: false, inflection: false }
+    }
+}
+
+/// One end of a span: the sign of N inside, next to it, and how often N is 0 there; the place.
+struct Side(Sign, usize, Place);
+
+pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &CriticalPoints, course: &Course) -> Result<(), Rejection> {
+    let bounds = claim.points.iter().flat_map(|point| [&point.t, &point.kappa]).chain([&claim.kappa_max, &claim.at]);
+    let stretches = claim.constant.iter().flat_map(|s| [&s.from, &s.to].into_iter().chain(&s.kappa));
+    let mut numbers = bounds.flatten().chain(stretches).flatten();
+    wanted(numbers.all(|x| x.denom().sign() == Sign::Plus), "point", "a denominator is not positive")?;
+    let knots = knots(curve);
+    wanted(
+        course.cuts.len() == spine.spans.len() && knots.len() > course.cuts.len(),
+        "span",
+        "one line for each span",
+    )?;
+    let (mut items, mut sides, mut constant) = (vec![], vec![], vec![]);
+    for (k, ((piece, cuts), ends)) in spine.spans.iter().zip(&course.cuts).zip(knots.windows(2)).enumerate() {
+        let factor = course.factors.iter().find(|(span, _)| *span == k).map(|(_, g)| Poly(g.clone()));
+        let found = span(piece, cuts, ends, factor.as_ref(), &mut items);
+        let pair = found.map_err(|why| Rejection::of("span", why).at(k + 1, &""))?;
+        if let [Side(Sign::NoSign, ..), _] = pair {
+            constant.push((ends, Place(piece.clone(), Some(Rational::zero()))));
+        }
+        sides.push(pair);
+    }
+    joints(spine.closed, &knots, sides, &claim.kappa_max, &mut items).map_err(|why| Rejection::of("kappa_max", why))?;
+    items.sort_by(|p, q| compare(&p.from, &q.from).then_with(|| compare(&p.to, &q.to)));
+    points(claim, &items).map_err(|why| Rejection::of("point", why))?;
+
+    wanted(claim.constant.len() == constant.len(), "constant", "not as many as spans of constant curvature")?;
+    for (stretch, (ends, place)) in claim.constant.iter().zip(&constant) {
+        let inside = ends.first().zip(ends.last()).zip(stretch.from.as_ref().zip(stretch.to.as_ref()));
+        let inside = inside.is_some_and(|((a, b), (from, to))| compare(a, from).is_le() && compare(to, b).is_le());
+        let fine = inside && at_most(place, &stretch.kappa) && at_least(place, &stretch.kappa);
+        wanted(fine, "constant", "it is not in the span, or the curvature is another")?;
+    }
+    let (k, t) = &course.witness;
+    let within = [Rational::zero(), Rational::one()];
+    let span = spine.spans.get(*k).zip(knots.get(*k..=*k + 1)).filter(|_| holds(&within.map(Some), [t, t]));
+    let high = span.is_some_and(|(piece, ends)| {
+        let u = ends.first().zip(ends.last()).map(|(a, b)| a + t * (b - a));
+        // the seam is the start as well
+        let start = spine.closed && t.is_one() && *k + 1 == spine.spans.len();
+        let u = if start { knots.first().cloned() } else { u };
+        let place = Place(piece.clone(), Some(t.clone()));
+        u.is_some_and(|u| holds(&claim.at, [&u, &u])) && at_least(&place, &claim.kappa_max)
+    });
+    wanted(high, "witness", "the curvature there is not that of kappa_max, or the place not in its parameter")
+}
+
+/// The ends of the spans.
+fn knots(curve: &Curve) -> Vec<Rational> {
+    let domain = curve.knots().get(curve.degree()..=curve.control_points().len()).unwrap_or_default();
+    let mut knots: Vec<Rational> = vec![];
+    for knot in domain {
+        if knots.last().is_none_or(|last| !same(last, knot)) {
+            knots.push(knot.clone());
+        }
+    }
+    knots
+}
+
+/// A positive multiple of N: the derivative of kappa^2 = c w^4 / a^3 for c = |a x a'|^2, a = |a|^2, cleared.
+fn critical(piece: &Piece) -> Poly {
+    let (wb, w) = (piece.wb(), &piece.w);
+    let (a, c) = (dot(piece.a(), piece.a()), dot(&wb, &wb));
+    let grow = w.derivative().times(&c).times(&a).scaled(&4.into());
+    let turn = c.derivative().times(w).times(&a).plus(grow);
+    turn.minus(c.times(w).times(&a.derivative()).scaled(&3.into()))
+}
+
+/// Looks at the cells of a span one after the other.
+fn span(
+    piece: &Rc<Piece>,
+    cuts: &[Rational],
+    ends: &[Rational],
+    factor: Option<&Poly>,
+    items: &mut Vec<Item>,
+) -> Result<[Side; 2], Why> {
+    let [start, end] = ends else { return Err("there is no span") };
+    let cuts: Vec<Rational> = [Rational::zero()].iter().chain(cuts).chain([&Rational::one()]).cloned().collect();
+    check(cuts.is_sorted_by(|a, b| compare(a, b).is_lt()), "the cuts are not in order between 0 and 1")?;
+    if let Some(g) = factor {
+        check(piece.wb().into_iter().all(|c| divides(g, c)), "the factor divides not all of b")?;
+    }
+    let knot = |t: &Rational| start + t * (end - start);
+    let place = |t: &Rational| Place(piece.clone(), Some(t.clone()));
+    let (mut first, mut last, mut after) = (None, None, 0);
+    for (p, q) in cuts.iter().zip(cuts.iter().skip(1)) {
+        let cell = piece.part(p, q);
+        check(cell.w.is_positive(), "a control weight is not positive")?;
+        positive(&dot(cell.a(), cell.a()))?;
+        let form = critical(&cell);
+        let signs: Vec<Sign> = form.0.iter().map(BigInt::sign).collect();
+        let zeros = signs.iter().take_while(|sign| **sign == Sign::NoSign).count();
+        after = signs.iter().rev().take_while(|sign| **sign == Sign::NoSign).count();
+        let known: Vec<Sign> = signs.into_iter().filter(|sign| *sign != Sign::NoSign).collect();
+        // N = 0: the curvature is constant
+        let (Some(enter), Some(leave)) = (known.first(), known.last()) else { continue };
+        match &last {
+            None => first = Some(Side(*enter, zeros, place(p))),
+            Some(_) if zeros == 0 => {}
+            Some(before) => {
+                let places = vec![place(p)];
+                let signs = [*before, *enter];
+                items.push(Item { simple: zeros == 1, ..Item::new(knot(p), knot(p), signs, places) });
+            }
+        }
+        let changes = known.iter().zip(known.iter().skip(1)).filter(|(a, b)| a != b).count();
+        if changes > 0 {
+            let signs = [*enter, *leave];
+            let opposite = |g: &Poly| g.at(p).times(&g.at(q)).has_sign(Sign::Minus);
+            let inflection = changes == 1 && factor.is_some_and(opposite);
+            let item = Item::new(knot(p), knot(q), signs, vec![Place(cell, None)]);
+            items.push(Item { simple: changes == 1, inflection, ..item });
+        }
+        last = Some(*leave);
+    }
+    let [zero, one] = [Rational::zero(), Rational::one()].map(|t| place(&t));
+    let Some((first, last)) = first.zip(last) else {
+        return Ok([Side(Sign::NoSign, 0, zero), Side(Sign::NoSign, 0, one)]);
+    };
+    Ok([first, Side(last, after, one)])
+}
+
+/// Whether g, not 0 at 1, divides c: both are forms in t and 1 - t.
+fn divides(g: &Poly, mut c: Poly) -> bool {
+    let Some(lead) = g.0.last().filter(|lead| !lead.is_zero()) else { return false };
+    while c.0.len() >= g.0.len() {
+        let top = c.0.last().cloned().unwrap_or_default();
+        let shift = vec![BigInt::zero(); c.0.len() - g.0.len()];
+        c = c.scaled(lead).minus(Poly(shift.into_iter().chain(g.scaled(&top).0).collect()));
+        c.0.pop();
+    }
+    c.is_zero()
+}
+
+/// The joints, and the ends of an open spine, in order: those that stand out become items. kappa_max holds at all.
+fn joints(
+    closed: bool,
+    knots: &[Rational],
+    sides: Vec<[Side; 2]>,
+    max: &Bounds,
+    items: &mut Vec<Item>,
+) -> Result<(), Why> {
+    let (starts, finishes): (Vec<Side>, Vec<Side>) = sides.into_iter().map(|[start, finish]| (start, finish)).unzip();
+    let mut before: Vec<Option<Side>> = [None].into_iter().chain(finishes.into_iter().map(Some)).collect();
+    let after = starts.into_iter().map(Some).chain([None]);
+    if closed && let Some((first, seam)) = before.pop().and_then(|seam| Some((before.first_mut()?, seam))) {
+        *first = seam;
+    }
+    for ((t, before), after) in knots.iter().zip(before).zip(after) {
+        let at = |side: &Option<Side>| side.as_ref().map_or((Sign::NoSign, 0), |Side(sign, zeros, _)| (*sign, *zeros));
+        let ([sign, next], [p, q]) = ([at(&before).0, at(&after).0], [at(&before).1, at(&after).1]);
+        let both = before.as_ref().zip(after.as_ref());
+        let jumps = both.is_some_and(|(Side(.., p), Side(.., q))| !equal(p, q));
+        let turns = sign != Sign::NoSign && next == -sign;
+        let joint = both.is_some();
+        let places: Vec<Place> = before.into_iter().chain(after).map(|Side(.., place)| place).collect();
+        check(places.iter().all(|place| at_most(place, max)), "the curvature at the end of a span is greater")?;
+        if p + q > 0 || jumps || turns {
+            let item = Item::new(t.clone(), t.clone(), [sign, next], places);
+            items.push(Item { simple: p < 2 && q < 2, joint, jumps, ..item });
+        }
+    }
+    Ok(())
+}
+
+/// Every item is in a point of the claim, and what is said of unique points is true.
+fn points(claim: &CriticalPoints, items: &[Item]) -> Result<(), Why> {
+    let ends_before = |[_, hi]: &Bounds, x: &Rational| hi.as_ref().is_some_and(|hi| compare(hi, x).is_lt());
+    let starts_after = |[lo, _]: &Bounds, x: &Rational| lo.as_ref().is_none_or(|lo| compare(lo, x).is_gt());
+    let ordered = claim.points.iter().zip(claim.points.iter().skip(1)).all(|(p, q)| {
+        let pairs = p.t.iter().zip(&q.t);
+        pairs.fold(true, |all, (p, q)| all && below(p, q))
+    });
+    check(ordered, "the points are not in order")?;
+    for item in items {
+        let first = claim.points.partition_point(|point| ends_before(&point.t, &item.from));
+        let mut near = claim.points.iter().skip(first).take_while(|point| !starts_after(&point.t, &item.to));
+        check(near.any(|point| has(point, item)), "a zero of N, or a joint, is in none")?;
+    }
+    for point in &claim.points {
+        let ([_, hi], [_, max]) = (&point.kappa, &claim.kappa_max);
+        check(below(hi, max), "the curvature is greater than kappa_max")?;
+        let first = items.partition_point(|item| starts_after(&point.t, &item.to));
+        let mut meeting = items.iter().skip(first).take_while(|item| !ends_before(&point.t, &item.from));
+        let one = meeting.next().is_some_and(|item| item.simple && has(point, item) && is(point.kind, item));
+        check(!point.unique || (one && meeting.next().is_none()), "it is not the only one, or of another kind")?;
+    }
+    Ok(())
+}
+
+/// Whether a point is where an item is, with its curvature.
+fn has(point: &Critical, item: &Item) -> bool {
+    let zero = point.kappa.iter().flatten().all(Zero::is_zero);
+    let inside = || item.places.iter().all(|place| at_most(place, &point.kappa));
+    let kappa =
+        (item.inflection && zero) || (inside() && item.places.iter().any(|place| at_least(place, &point.kappa)));
+    holds(&point.t, [&item.from, &item.to]) && kappa && (!item.jumps || point.kind == Some(CriticalKind::Joint))
+}
+
+fn is(kind: Option<CriticalKind>, item: &Item) -> bool {
+    let [before, after] = item.signs;
+    match kind {
+        Some(CriticalKind::Maximum) => !item.jumps && before != Sign::Minus && after != Sign::Plus,
+        Some(CriticalKind::Minimum) => !item.jumps && before != Sign::Plus && after != Sign::Minus,
+        Some(CriticalKind::Inflection) => item.inflection || item.places.iter().all(straight),
+        Some(CriticalKind::Joint) => item.joint,
+        None => true,
+    }
+}
+
+/// `None` is +infinity.
+fn below(a: &Option<Rational>, b: &Option<Rational>) -> bool {
+    b.as_ref().is_none_or(|b| a.as_ref().is_some_and(|a| compare(a, b).is_le()))
+}
+
+fn holds([lo, hi]: &Bounds, [from, to]: [&Rational; 2]) -> bool {
+    lo.as_ref().is_some_and(|lo| compare(lo, from).is_le()) && hi.as_ref().is_none_or(|hi| compare(to, hi).is_le())
+}
+
+/// b = 0.
+fn straight(Place(piece, t): &Place) -> bool {
+    piece.wb().iter().all(|c| t.as_ref().map_or(c.is_zero(), |t| c.at(t).is_zero()))
+}
+
+/// kappa^2 at two ends of spans.
+fn equal(Place(piece, t): &Place, Place(other, u): &Place) -> bool {
+    let parts = |piece: &Piece, t: &Option<Rational>| {
+        let (a, wb, ww) = (dot(piece.a(), piece.a()), piece.wb(), piece.w.times(&piece.w));
+        let at = |form: Poly| t.as_ref().map_or(form.clone(), |t| form.at(t));
+        // at 0 and 1 the value itself, whatever the degree
+        (at(dot(&wb, &wb).times(&ww).times(&ww)), at(a.times(&a).times(&a)))
+    };
+    let ((p, a), (q, b)) = (parts(piece, t), parts(other, u));
+    p.times(&b) == q.times(&a)
+}
+
+/// The coefficients, or the value, of a positive multiple of |a|^6 - r |b|^2 w^6.
+fn form(Place(piece, t): &Place, r: &Rational) -> Poly {
+    let form = curvature(piece, r);
+    t.as_ref().map_or(form.clone(), |t| form.at(t))
+}
+
+/// kappa is at most the upper bound.
+fn at_most(place: &Place, [_, hi]: &Bounds) -> bool {
+    let has = |r: &Rational, sign| form(place, r).0.iter().any(|c| c.sign() == sign);
+    match hi {
+        None => true,
+        Some(hi) if hi.is_zero() => straight(place),
+        Some(hi) => hi.numer().sign() == Sign::Plus && !has(&hi.recip().pow(2), Sign::Minus),
+    }
+}
+
+/// kappa is at least the lower bound.
+fn at_least(place: &Place, [lo, _]: &Bounds) -> bool {
+    lo.as_ref().is_some_and(|lo| {
+        lo.numer().sign() != Sign::Plus || form(place, &lo.recip().pow(2)).0.iter().all(|c| c.sign() != Sign::Plus)
+    })
+}
