@@ -264,10 +264,7 @@ impl List {
 /// A stretch of a segment in the curve's own knots.
 fn parameters(segment: &Segment, lo: &Dyadic, hi: &Dyadic) -> Enclosure {
     let known = |x: &Rational| Interval::new(f64_below(x), f64_above(x));
-    let rounded = |t: &Dyadic| {
-        let x = t.to_f64();
-        if t.m.bits() <= 53 { Interval::point(x) } else { Interval::new(x.next_down(), x.next_up()) }
-    };
+    let rounded = |t: &Dyadic| if t.m.bits() <= 53 { Interval::point(t.to_f64()) } else { known(&t.rational()) };
     let start = known(&segment.from);
     let length = known(&segment.to) - start;
     let [from, to] = [lo, hi].map(|t| start + rounded(t) * length);
@@ -279,8 +276,14 @@ fn parameters(segment: &Segment, lo: &Dyadic, hi: &Dyadic) -> Enclosure {
     Enclosure::between(&exact(lo), &exact(hi))
 }
 
-/// A point is unique only if its `t` meets no other, as it will be printed: up to two steps further out.
+/// A point is unique only if its `t` meets no other, as it will be printed: up to two steps further out. Ends that
+/// rounding has put out of order, next to a knot, are moved outward.
 fn part(points: &mut [CriticalPoint]) {
+    for i in 1..points.len() {
+        points[i].t.hi = points[i].t.hi.max(points[i - 1].t.hi);
+        let back = points.len() - 1 - i;
+        points[back].t.lo = points[back].t.lo.min(points[back + 1].t.lo);
+    }
     let printed = |t: Enclosure| Enclosure { lo: t.lo.next_down().next_down(), hi: t.hi.next_up().next_up() };
     for i in 1..points.len() {
         let [before, after] = [points[i - 1].t, points[i].t];

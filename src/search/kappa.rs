@@ -3,12 +3,15 @@
 use super::critical::{Bend, Zero};
 use super::curvature::Strips;
 use super::dyadic::{Dyadic, dot3};
-use crate::bernstein::{Form, Vec3};
+use crate::bernstein::{Form, Vec3, dot, int_binomials};
 use crate::enclosure::Interval;
 use crate::integer::Int;
+use crate::number::{Rational, compare};
 use crate::roots::common_zero;
 use crate::spine::Bezier;
+use num_bigint::BigInt;
 use num_integer::Integer;
+use num_traits::Signed;
 use std::cmp::Ordering;
 
 /// kappa^2 at a point, as |b|^2 w^6 / |a|^6 in exact numbers.
@@ -61,6 +64,26 @@ fn over(strips: &Strips, a: [Interval; 3], b: [Interval; 3], [w]: [Interval; 1])
     (b * (x.sqr() * x)).abs().scale2(exp.clamp(-5000, 5000) as i32)
 }
 
+/// kappa on an arc, from the exact Bernstein coefficients of |b|^2 w^6 and |a|^6.
+fn exactly_over(arc: &Bend) -> Interval {
+    let (a, w) = (dot(&arc.a, &arc.a), arc.w.sqr().mul(&arc.w));
+    let range = |form: Form<Int>| {
+        // all times one number, and the degrees may differ: so rationals
+        let c = form.c.iter().zip(int_binomials(form.c.len() - 1));
+        let mut c: Vec<Rational> = c.map(|(c, binomial)| Rational::new(c.big(), binomial.big())).collect();
+        c.sort_by(compare);
+        [c[0].clone(), c[c.len() - 1].clone()]
+    };
+    let ([low, high], [short, long]) = (range(dot(&arc.b, &arc.b).mul(&w.sqr())), range(a.sqr().mul(&a)));
+    let root = |x: Rational| {
+        let dyadic = |x: &BigInt| Dyadic { m: Int::from(x.clone()), e: 0 };
+        Exactly { numerator: dyadic(x.numer()), denominator: dyadic(x.denom()) }.root()
+    };
+    let least = if low.is_positive() { root(low / long).lo() } else { 0.0 };
+    let most = if short.is_positive() { root(high / short).hi() } else { f64::INFINITY };
+    Interval::new(least, most)
+}
+
 fn length(v: [Interval; 3]) -> Interval {
     (v[0].sqr() + v[1].sqr() + v[2].sqr()).sqrt()
 }
@@ -94,7 +117,8 @@ impl<'a> Kappa<'a> {
         let arc = Bend::new(&self.bezier.arc(lo, hi));
         let strips = Strips::of(&arc.a, &arc.b, &arc.w);
         let second = over(&strips, strips.a.hull(), strips.b.hull(), strips.w.hull());
-        Interval::new(first.lo().max(second.lo()), first.hi().min(second.hi()))
+        let both = Interval::new(first.lo().max(second.lo()), first.hi().min(second.hi()));
+        if narrow(both) { both } else { exactly_over(&arc) }
     }
 
     /// No curvature of the arc, which may be long, is greater; infinite if that is not known.

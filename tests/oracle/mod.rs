@@ -286,6 +286,16 @@ impl Oracle {
         Self::new(spine.curve())
     }
 
+    /// The ends of the spans.
+    pub fn knots(&self) -> Vec<[Rational; 2]> {
+        self.spans.iter().map(|&k| [self.exact.knots[k].clone(), self.exact.knots[k + 1].clone()]).collect()
+    }
+
+    /// kappa^2 at t, as seen from the span with this number.
+    pub fn kappa_sq(&self, span: usize, t: &Rational) -> Rational {
+        bend_sq(&self.exact.jet(self.spans[span], t)).map_or_else(Rational::zero, |r| r.recip())
+    }
+
     /// The number of the span that holds u.
     fn span(&self, u: f64) -> usize {
         self.ends.iter().rposition(|e| e.0 <= u).unwrap_or(0)
