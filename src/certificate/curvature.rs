@@ -1,4 +1,4 @@
-//! Evidence for the critical points of curvature: docs/certificate-format.md, section 7.
+//! Evidence for the critical points of curvature: docs/certificate-format.md, section 8.
 
 use super::text::{Lines, list};
 use crate::claim::{Bounds, Critical, CriticalKind, CriticalPoints, Stretch};

@@ -1,4 +1,4 @@
-//! The critical points of curvature: docs/certificate-format.md, section 7.
+//! The critical points of curvature: docs/certificate-format.md, section 8.
 
 use std::rc::Rc;
 
@@ -6,16 +6,14 @@ use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 
 use super::arc::{Piece, Spine};
+use super::kappa::{Place, at_least, at_most, equal, straight};
 use super::poly::{Poly, dot};
-use super::rules::{Why, check, curvature, positive};
+use super::rules::{Why, check, positive};
 use super::{Rejection, wanted};
 use crate::certificate::Course;
 use crate::claim::{Bounds, Critical, CriticalKind, CriticalPoints};
 use crate::curve::Curve;
-use crate::number::{Rational, compare, same};
-
-/// Where kappa is looked at: on a whole piece, or at a parameter of it.
-struct Place(Rc<Piece>, Option<Rational>);
+use crate::number::{Rational, compare};
 
 /// What a point of the claim must hold: zeros of N on a cell of a span, or at a place, or a joint that stands out.
 struct Item {
@@ -48,7 +46,7 @@ pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &CriticalPoints, cours
     let stretches = claim.constant.iter().flat_map(|s| [&s.from, &s.to].into_iter().chain(&s.kappa));
     let mut numbers = bounds.flatten().chain(stretches).flatten();
     wanted(numbers.all(|x| x.denom().sign() == Sign::Plus), "point", "a denominator is not positive")?;
-    let knots = knots(curve);
+    let knots = Spine::knots(curve);
     wanted(
         course.cuts.len() == spine.spans.len() && knots.len() > course.cuts.len(),
         "span",
@@ -87,18 +85,6 @@ pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &CriticalPoints, cours
         u.is_some_and(|u| holds(&claim.at, [&u, &u])) && at_least(&place, &claim.kappa_max)
     });
     wanted(high, "witness", "the curvature there is not that of kappa_max, or the place not in its parameter")
-}
-
-/// The ends of the spans.
-fn knots(curve: &Curve) -> Vec<Rational> {
-    let domain = curve.knots().get(curve.degree()..=curve.control_points().len()).unwrap_or_default();
-    let mut knots: Vec<Rational> = vec![];
-    for knot in domain {
-        if knots.last().is_none_or(|last| !same(last, knot)) {
-            knots.push(knot.clone());
-        }
-    }
-    knots
 }
 
 /// A positive multiple of N: the derivative of kappa^2 = c w^4 / a^3 for c = |a x a'|^2, a = |a|^2, cleared.
@@ -259,44 +245,4 @@ fn below(a: &Option<Rational>, b: &Option<Rational>) -> bool {
 
 fn holds([lo, hi]: &Bounds, [from, to]: [&Rational; 2]) -> bool {
     lo.as_ref().is_some_and(|lo| compare(lo, from).is_le()) && hi.as_ref().is_none_or(|hi| compare(to, hi).is_le())
-}
-
-/// b = 0.
-fn straight(Place(piece, t): &Place) -> bool {
-    piece.wb().iter().all(|c| t.as_ref().map_or(c.is_zero(), |t| c.at(t).is_zero()))
-}
-
-/// kappa^2 at two ends of spans.
-fn equal(Place(piece, t): &Place, Place(other, u): &Place) -> bool {
-    let parts = |piece: &Piece, t: &Option<Rational>| {
-        let (a, wb, ww) = (dot(piece.a(), piece.a()), piece.wb(), piece.w.times(&piece.w));
-        let at = |form: Poly| t.as_ref().map_or(form.clone(), |t| form.at(t));
-        // at 0 and 1 the value itself, whatever the degree
-        (at(dot(&wb, &wb).times(&ww).times(&ww)), at(a.times(&a).times(&a)))
-    };
-    let ((p, a), (q, b)) = (parts(piece, t), parts(other, u));
-    p.times(&b) == q.times(&a)
-}
-
-/// The coefficients, or the value, of a positive multiple of |a|^6 - r |b|^2 w^6.
-fn form(Place(piece, t): &Place, r: &Rational) -> Poly {
-    let form = curvature(piece, r);
-    t.as_ref().map_or(form.clone(), |t| form.at(t))
-}
-
-/// kappa is at most the upper bound.
-fn at_most(place: &Place, [_, hi]: &Bounds) -> bool {
-    let has = |r: &Rational, sign| form(place, r).0.iter().any(|c| c.sign() == sign);
-    match hi {
-        None => true,
-        Some(hi) if hi.is_zero() => straight(place),
-        Some(hi) => hi.numer().sign() == Sign::Plus && !has(&hi.recip().pow(2), Sign::Minus),
-    }
-}
-
-/// kappa is at least the lower bound.
-fn at_least(place: &Place, [lo, _]: &Bounds) -> bool {
-    lo.as_ref().is_some_and(|lo| {
-        lo.numer().sign() != Sign::Plus || form(place, &lo.recip().pow(2)).0.iter().all(|c| c.sign() != Sign::Plus)
-    })
 }

@@ -6,6 +6,7 @@
 mod arc;
 mod curvature;
 mod field;
+mod kappa;
 mod pairs;
 mod poly;
 mod radius;

@@ -17,7 +17,7 @@ use super::{Rejection, walk};
 use crate::certificate::{Node, PairsEvidence};
 use crate::claim::{PairBox, Pairs};
 use crate::curve::Curve;
-use crate::number::{Rational, compare, same};
+use crate::number::{Rational, compare};
 
 type Square = [Range; 2];
 
@@ -82,7 +82,7 @@ fn positions(arc: &Arc) -> Option<Range> {
 /// The spine as a line of positions.
 struct Line<'a> {
     spine: &'a Spine,
-    knots: Vec<&'a Rational>,
+    knots: Vec<Rational>,
     count: Rational,
 }
 
@@ -95,11 +95,8 @@ struct Part {
 }
 
 impl<'a> Line<'a> {
-    fn of(spine: &'a Spine, curve: &'a Curve) -> Self {
-        let mut knots: Vec<_> =
-            curve.knots().iter().take(curve.control_points().len() + 1).skip(curve.degree()).collect();
-        knots.dedup_by(|a, b| same(a, b));
-        Self { spine, knots, count: BigInt::from(spine.spans.len()).into() }
+    fn of(spine: &'a Spine, curve: &Curve) -> Self {
+        Self { spine, knots: Spine::knots(curve), count: BigInt::from(spine.spans.len()).into() }
     }
 
     /// Whether something is true of the ranges of two squares, the second one swapped or not and moved by whole turns or not.
@@ -119,14 +116,12 @@ impl<'a> Line<'a> {
         let ([start, .., end], last) = (self.knots.as_slice(), self.knots.len().saturating_sub(2)) else {
             return t.clone();
         };
-        let period = *end - *start;
-        let turn = if self.spine.closed { ((t - *start) / &period).floor() } else { Rational::zero() };
+        let period = end - start;
+        let turn = if self.spine.closed { ((t - start) / &period).floor() } else { Rational::zero() };
         let local = t - &turn * period;
         let span = self.knots.partition_point(|knot| compare(knot, &local).is_le()).saturating_sub(1).min(last);
         let around = self.knots.get(span).zip(self.knots.get(span + 1));
-        around.map_or(turn.clone(), |(from, to)| (local - *from) / (*to - *from))
-            + BigInt::from(span)
-            + turn * &self.count
+        around.map_or(turn.clone(), |(from, to)| (local - from) / (to - from)) + BigInt::from(span) + turn * &self.count
     }
 
     /// Whether a square is on the spine; if not it must be beyond an end.

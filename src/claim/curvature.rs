@@ -1,4 +1,4 @@
-//! What is claimed about curvature: docs/certificate-format.md, section 7.
+//! What is claimed about curvature: docs/certificate-format.md, section 8.
 
 use super::Bounds;
 use crate::number::Rational;

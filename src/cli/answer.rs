@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
-use tubecert::claim::{PairBox, Pairs};
+use tubecert::claim::{Critical, CriticalKind, CriticalPoints, PairBox, Pairs, Stretch};
 use tubecert::number::{Rational, parse_rational};
 use tubecert::{Curve, ErrorKind, Statement};
 
@@ -30,6 +30,7 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
     let read = match string(root, "command")?.as_deref() {
         Some("radius") => radius,
         Some("pairs") => pairs,
+        Some("curvature") => curvature,
         _ => return Err(wrong("command", "this is no answer that a certificate can prove")),
     };
     if string(root, "curve.digest")? != Some(curve.digest()) {
@@ -48,8 +49,7 @@ fn radius(root: &RawValue) -> Result<Statement, Wrong> {
 
 fn pairs(root: &RawValue) -> Result<Statement, Wrong> {
     let list = |key: &str| {
-        let items: Vec<&RawValue> = serde_json::from_str(member(root, key)?).map_err(|error| wrong(key, error))?;
-        let pair = |item: &&RawValue| {
+        let pair = |item: &RawValue| {
             let range = |key: &str| match enclosure(item, key)? {
                 [Some(lo), Some(hi)] => Ok([lo, hi]),
                 _ => Err(wrong(key, "a parameter is infinite")),
@@ -58,7 +58,7 @@ fn pairs(root: &RawValue) -> Result<Statement, Wrong> {
             let lo = lo.ok_or_else(|| wrong("distance.lo", "a distance is infinite"))?;
             Ok(PairBox { s: range("s")?, t: range("t")?, distance: (lo, hi) })
         };
-        items.iter().map(pair).collect::<Result<Vec<_>, Wrong>>()
+        items(root, key)?.into_iter().map(pair).collect::<Result<Vec<_>, Wrong>>()
     };
     let (pairs, undecided) = (list("pairs")?, list("undecided")?);
     if member(root, "complete")? == "true" && !undecided.is_empty() {
@@ -67,16 +67,49 @@ fn pairs(root: &RawValue) -> Result<Statement, Wrong> {
     Ok(Statement::Pairs(Pairs { pairs, undecided }))
 }
 
+fn curvature(root: &RawValue) -> Result<Statement, Wrong> {
+    let point = |item: &RawValue| {
+        let kind = match member(item, "kind")? {
+            "null" => None,
+            _ => {
+                let word = string(item, "kind")?;
+                let known = CriticalKind::ALL.into_iter().find(|kind| Some(kind.word()) == word.as_deref());
+                Some(known.ok_or_else(|| wrong("kind", "this version knows no such kind"))?)
+            }
+        };
+        let unique = member(item, "unique")? == "true";
+        Ok(Critical { t: enclosure(item, "t")?, kappa: enclosure(item, "kappa")?, kind, unique })
+    };
+    let stretch = |item: &RawValue| {
+        Ok(Stretch { from: bound(item, "from")?, to: bound(item, "to")?, kappa: enclosure(item, "kappa")? })
+    };
+    Ok(Statement::Curvature(CriticalPoints {
+        kappa_max: enclosure(root, "kappa_max")?,
+        at: enclosure(root, "at")?,
+        points: items(root, "critical_points")?.into_iter().map(point).collect::<Result<_, Wrong>>()?,
+        constant: items(root, "constant")?.into_iter().map(stretch).collect::<Result<_, Wrong>>()?,
+    }))
+}
+
+/// The values of an array.
+fn items<'a>(root: &'a RawValue, key: &str) -> Result<Vec<&'a RawValue>, Wrong> {
+    serde_json::from_str(member(root, key)?).map_err(|error| wrong(key, error))
+}
+
 /// The bounds under `path`; `None` is null.
 fn enclosure(root: &RawValue, path: &str) -> Result<[Option<Rational>; 2], Wrong> {
-    let bound = |key: String| match member(root, &key)? {
+    Ok([bound(root, &format!("{path}.lo"))?, bound(root, &format!("{path}.hi"))?])
+}
+
+/// The number at a key; `None` is null.
+fn bound(root: &RawValue, key: &str) -> Result<Option<Rational>, Wrong> {
+    match member(root, key)? {
         "null" => Ok(None),
         text if text.starts_with(['-', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9']) => {
-            parse_rational(text).map(Some).map_err(|error| wrong(&key, error.message))
+            parse_rational(text).map(Some).map_err(|error| wrong(key, error.message))
         }
-        _ => Err(wrong(&key, "the bound is neither a number nor null")),
-    };
-    Ok([bound(format!("{path}.lo"))?, bound(format!("{path}.hi"))?])
+        _ => Err(wrong(key, "the bound is neither a number nor null")),
+    }
 }
 
 /// The string under keys parted by points; `None` if it is no string.

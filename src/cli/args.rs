@@ -26,6 +26,9 @@ pub enum Command {
     /// Encloses delta, the largest radius for which the solid tube does not self-intersect
     #[cfg(feature = "search")]
     Radius(RadiusArgs),
+    /// The greatest curvature and every critical point of curvature
+    #[cfg(feature = "search")]
+    Curvature(CurvatureArgs),
     /// Every stationary pair of the squared distance of two points, each proved to be alone in its box
     #[cfg(feature = "search")]
     Pairs(PairsArgs),
@@ -86,6 +89,13 @@ pub struct RadiusArgs {
     /// Enclose every term, also those that cannot bind, and the rim terms; can take much longer
     #[arg(long)]
     pub all_terms: bool,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, clap::Args)]
+pub struct CurvatureArgs {
+    #[command(flatten)]
+    pub common: Common,
 }
 
 #[cfg(feature = "search")]

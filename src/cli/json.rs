@@ -72,3 +72,9 @@ impl Serialize for E {
         pair.end()
     }
 }
+
+/// A number as it is spelled, or null.
+#[cfg(feature = "search")]
+pub fn raw(number: String) -> Box<RawValue> {
+    RawValue::from_string(number).expect("the text of a number is JSON")
+}

@@ -3,6 +3,8 @@
 mod answer;
 mod args;
 #[cfg(feature = "search")]
+mod curvature;
+#[cfg(feature = "search")]
 mod enclosed;
 #[cfg(feature = "search")]
 mod job;
@@ -62,6 +64,8 @@ pub fn main() -> ExitCode {
     match args.command {
         #[cfg(feature = "search")]
         Command::Radius(args) => say(radius::run(&args), args.common.json),
+        #[cfg(feature = "search")]
+        Command::Curvature(args) => say(curvature::run(&args), args.common.json),
         #[cfg(feature = "search")]
         Command::Pairs(args) => say(pairs::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),

@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
-use tubecert::claim::{Claim, PairBox, Pairs, Statement};
+use tubecert::claim::{Bounds, Claim, CriticalPoints, PairBox, Pairs, Statement};
 use tubecert::number::{Rational, decimal_text, to_fraction_text};
 
 use super::answer::{self, Wrong};
@@ -116,6 +116,7 @@ struct ClaimData {
 #[serde(untagged)]
 enum StatementData {
     Radius(Range),
+    Curvature { kappa_max: Range, at: Range, critical_points: Vec<PointData>, constant: Vec<StretchData> },
     Pairs { pairs: Vec<PairData>, undecided: Vec<PairData>, complete: bool },
 }
 
@@ -123,6 +124,21 @@ enum StatementData {
 struct Range {
     lo: Option<Bound>,
     hi: Option<Bound>,
+}
+
+#[derive(Serialize)]
+struct PointData {
+    t: Range,
+    kappa: Range,
+    kind: Option<&'static str>,
+    unique: bool,
+}
+
+#[derive(Serialize)]
+struct StretchData {
+    from: Option<Bound>,
+    to: Option<Bound>,
+    kappa: Range,
 }
 
 #[derive(Serialize)]
@@ -143,6 +159,23 @@ impl StatementData {
         };
         match statement {
             Statement::Radius { lo, hi } => ("radius", Self::Radius(range(lo.as_ref(), hi.as_ref()))),
+            Statement::Curvature(claimed) => {
+                let both = |[lo, hi]: &Bounds| range(lo.as_ref(), hi.as_ref());
+                let points = claimed.points.iter().map(|point| PointData {
+                    t: both(&point.t),
+                    kappa: both(&point.kappa),
+                    kind: point.kind.map(|kind| kind.word()),
+                    unique: point.unique,
+                });
+                let constant = claimed.constant.iter().map(|stretch| StretchData {
+                    from: bound(stretch.from.as_ref()),
+                    to: bound(stretch.to.as_ref()),
+                    kappa: both(&stretch.kappa),
+                });
+                let (kappa_max, at) = (both(&claimed.kappa_max), both(&claimed.at));
+                let (critical_points, constant) = (points.collect(), constant.collect());
+                ("curvature", Self::Curvature { kappa_max, at, critical_points, constant })
+            }
             Statement::Pairs(claimed) => {
                 let [pairs, undecided] = [&claimed.pairs, &claimed.undecided].map(|all| all.iter().map(pair).collect());
                 ("pairs", Self::Pairs { pairs, undecided, complete: claimed.undecided.is_empty() })
@@ -193,6 +226,16 @@ fn claimed(claim: &Claim) -> String {
     match &claim.statement {
         Statement::Radius { lo, hi } => {
             format!("delta = {} .. {}        ({})\n", number(lo), number(hi), unit(&claim.curve))
+        }
+        Statement::Curvature(CriticalPoints { kappa_max: [lo, hi], points, .. }) => {
+            let alone = points.iter().filter(|point| point.unique).count();
+            format!(
+                "kappa_max = {} .. {}        (1 / {})\n{} critical points of curvature, {alone} proved to be one simple zero; no other\n",
+                number(lo),
+                number(hi),
+                unit(&claim.curve),
+                points.len()
+            )
         }
         Statement::Pairs(Pairs { pairs, undecided }) if undecided.is_empty() => {
             format!("the spine has exactly {} stationary pairs, one in each of the boxes claimed\n", pairs.len())
