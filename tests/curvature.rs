@@ -428,10 +428,7 @@ fn zeros_at_ends_and_knots_stand_once() {
     // two halves with different speeds, one of them bent otherwise: a turn of curvature at a joint
     let tent = Curve::new(
         3,
-        vec![[0, 0], [1, 0], [2, 1], [3, 3], [4, 5], [5, 6], [6, 6]]
-            .iter()
-            .map(|p| plane(int(p[0]), int(p[1])))
-            .collect(),
+        [[0, 0], [1, 0], [2, 1], [3, 3], [4, 5], [5, 6], [6, 6]].iter().map(|p| plane(int(p[0]), int(p[1]))).collect(),
         None,
         Some([0, 0, 0, 0, 1, 1, 1, 2, 2, 2, 2].map(int).to_vec()),
     )

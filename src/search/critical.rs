@@ -243,11 +243,11 @@ impl Near {
         let n = self.c.len() - 1;
         let (y, rad) = (1.0 - x, self.rounded());
         let (mut left, mut right) = (self.c.clone(), self.c.clone());
-        for level in 1..=n {
+        for (level, first) in left.iter_mut().enumerate().skip(1) {
             for i in 0..=n - level {
                 right[i] = y * right[i] + x * right[i + 1];
             }
-            left[level] = right[0];
+            *first = right[0];
         }
         [Self::of(left, rad), Self::of(right, rad)]
     }
