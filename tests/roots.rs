@@ -1,36 +1,14 @@
 //! Roots of polynomials: known families, and random ones against Sturm sequences (exact, no shared code).
 
+mod polynomials;
+
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
+use polynomials::*;
 use proptest::prelude::*;
 use tubecert::Rational;
 use tubecert::number::parse_rational;
 use tubecert::roots::{ComplexRoot, RealRoot, complex_roots, real_roots};
-
-/// Coefficients, the constant first.
-type Poly = Vec<Rational>;
-
-fn q(n: i64, d: i64) -> Rational {
-    Rational::new(n.into(), d.into())
-}
-
-fn int(n: i64) -> Rational {
-    q(n, 1)
-}
-
-fn times(a: &[Rational], b: &[Rational]) -> Poly {
-    let mut c = vec![Rational::zero(); (a.len() + b.len()).saturating_sub(1)];
-    for (i, x) in a.iter().enumerate() {
-        for (j, y) in b.iter().enumerate() {
-            c[i + j] += x * y;
-        }
-    }
-    c
-}
-
-fn product(factors: impl IntoIterator<Item = Poly>) -> Poly {
-    factors.into_iter().fold(vec![Rational::one()], |all, factor| times(&all, &factor))
-}
 
 fn value(p: &[Rational], x: &Rational) -> Rational {
     p.iter().rev().fold(Rational::zero(), |sum, c| sum * x + c)
@@ -91,10 +69,6 @@ fn simple(p: &[Rational], count: usize) {
     assert_eq!(counts(p), vec![1; count]);
 }
 
-fn wilkinson(n: i64) -> Poly {
-    product((1..=n).map(|k| vec![int(-k), int(1)]))
-}
-
 #[test]
 fn wilkinson_and_its_neighbour() {
     simple(&wilkinson(20), 20);
@@ -107,23 +81,9 @@ fn wilkinson_and_its_neighbour() {
     simple(&lowered, 10);
 }
 
-/// Three-term recurrences p[k+1] = (a x p[k] - b p[k-1]) / c.
-fn orthogonal(n: i64, terms: impl Fn(i64) -> [i64; 3]) -> Poly {
-    let (mut before, mut here) = (vec![int(1)], vec![int(0), int(1)]);
-    for k in 1..n {
-        let [a, b, c] = terms(k);
-        let mut next = times(&here, &[int(0), q(a, c)]);
-        for (next, before) in next.iter_mut().zip(&before) {
-            *next -= before * q(b, c);
-        }
-        (before, here) = (here, next);
-    }
-    here
-}
-
 #[test]
 fn chebyshev_and_legendre() {
-    simple(&orthogonal(40, |_| [2, 1, 1]), 40);
+    simple(&chebyshev(40), 40);
     simple(&orthogonal(40, |k| [2 * k + 1, k, k + 1]), 40);
 }
 
@@ -245,7 +205,7 @@ fn complex_roots_of_known_families() {
     }
     for p in [
         wilkinson(20),
-        orthogonal(40, |_| [2, 1, 1]),
+        chebyshev(40),
         mandelbrot,
         vec![int(7)],
         vec![int(0), int(0), int(3)],

@@ -1,15 +1,16 @@
 //! Complex roots: Aberth's iteration for all roots at once finds them, disks prove them (theory.md, section 6).
 //!
 //! For a square-free p of degree n every disk |x - z| <= n |p(z) / p'(z)| holds a root; n disjoint ones hold one each.
-//! Where the disks meet, the iteration is run again with twice the digits.
+//! f64 is tried first (`fast`); where disks meet there, the iteration is run with ever twice the digits.
 
 use std::sync::Arc;
 
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
 
+use super::fast;
 use super::power::{derivative, of_factors};
-use super::real::{bound, one_side};
+use super::real::one_side;
 use crate::error::Error;
 use crate::integer::{Int, decompose, ldexp};
 use crate::number::{Rational, compare};
@@ -55,18 +56,20 @@ pub fn complex_roots(coefficients: &[Rational]) -> Result<Vec<ComplexRoot>, Erro
         ComplexRoot { multiplicity, factor, centre, radius: BigInt::zero(), depth: 0 }
     };
     let mut roots = of_factors(coefficients, at_zero, isolated)?;
+    let several = roots.windows(2).any(|pair| !Arc::ptr_eq(&pair[0].factor, &pair[1].factor));
     // those of different factors are different
-    while let Some((i, j)) = meeting(&roots) {
+    while let Some((i, j)) = several.then(|| meeting(&roots)).flatten() {
         for k in [i, j] {
             let half = roots[k].radius() / BigInt::from(2);
             roots[k].refine(&half);
         }
     }
     let pair = |root: &ComplexRoot| !root.centre.im.is_zero();
-    let size = |root: &ComplexRoot| root.im().abs();
     roots.sort_by(|a, b| {
-        let by_place = || compare(&a.re(), &b.re()).then_with(|| compare(&size(a), &size(b)));
-        pair(a).cmp(&pair(b)).then_with(by_place).then_with(|| compare(&b.im(), &a.im()))
+        let depth = a.depth.max(b.depth);
+        let [x, y] = [a, b].map(|root| root.centre.shifted(depth - root.depth));
+        let by_place = || x.re.cmp(&y.re).then_with(|| x.im.magnitude().cmp(y.im.magnitude()));
+        pair(a).cmp(&pair(b)).then_with(by_place).then_with(|| y.im.cmp(&x.im))
     });
     Ok(roots)
 }
@@ -181,34 +184,57 @@ fn meeting(roots: &[ComplexRoot]) -> Option<(usize, usize)> {
     (0..roots.len()).flat_map(|j| (0..j).map(move |i| (i, j))).find(|(i, j)| !apart(&roots[*i], &roots[*j]))
 }
 
-/// The roots of a square-free factor without the root 0.
+/// The roots of a square-free factor without the root 0: in f64, or with as many digits as it takes.
 fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize) -> Vec<ComplexRoot> {
+    let found = fast::roots(factor);
+    if let Some(disks) = &found.disks {
+        let root = |disk: &fast::Disk| {
+            let ([re, im, radius], depth) = common([disk.centre.re, disk.centre.im, disk.radius], found.scale);
+            ComplexRoot { multiplicity, factor: factor.clone(), centre: Gauss { re, im }, radius, depth }
+        };
+        return disks.iter().flat_map(|disk| with_conjugate(root(disk))).collect();
+    }
+    isolated_slowly(factor, multiplicity, &found)
+}
+
+fn with_conjugate(root: ComplexRoot) -> impl Iterator<Item = ComplexRoot> {
+    let Gauss { re, im } = &root.centre;
+    let conjugate = (!im.is_zero()).then(|| ComplexRoot { centre: Gauss { re: re.clone(), im: -im }, ..root.clone() });
+    std::iter::once(root).chain(conjugate)
+}
+
+/// Three f64 times 2^scale, as integers over one power of two.
+pub(super) fn common(numbers: [f64; 3], scale: i64) -> ([BigInt; 3], u64) {
+    let parts = numbers.map(decompose);
+    let exponent = |(m, e): (i64, i64)| if m == 0 { i64::MAX } else { e + scale };
+    let least = parts.map(exponent).into_iter().min().unwrap_or(0).min(0);
+    let shifted = |(m, e): (i64, i64)| if m == 0 { BigInt::zero() } else { BigInt::from(m) << (e + scale - least) };
+    (parts.map(shifted), least.unsigned_abs())
+}
+
+fn isolated_slowly(factor: &Arc<Vec<Int>>, multiplicity: usize, near: &fast::Found) -> Vec<ComplexRoot> {
     let real = [true, false].map(|negative| one_side(factor, 1, negative).len()).iter().sum();
-    let (n, slope, scale) = (factor.len() - 1, derivative(factor), bound(factor));
+    let (n, slope, scale) = (factor.len() - 1, derivative(factor), near.scale);
     // p(2^scale x), whose roots are in the unit disk
     let shift = |k: usize| if scale < 0 { n - k } else { k } as u64 * scale.unsigned_abs();
     let p: Vec<Int> = factor.iter().enumerate().map(|(k, c)| c << shift(k)).collect();
-    let size = p.iter().map(Int::bits).max().unwrap_or(0) as i64;
-    let near: Vec<Complex64> = p.iter().map(|c| Complex64 { re: c.to_f64_shifted(size), im: 0.0 }).collect();
-    let starts = starts(&p);
-    let mut coarse: Vec<Complex64> = starts.iter().map(|(z, e)| z.scaled(*e)).collect();
-    aberth(&near, &mut coarse, -48);
+    let size = p.iter().map(Int::bits).max().unwrap_or(0);
     let mut found: Vec<Fixed> = vec![];
     let (mut bits, mut lost) = (32, false);
     loop {
         bits *= 2;
         if bits == 64 {
-            found = coarse.iter().map(|z| z.fixed(0, bits)).collect();
+            found = near.places.iter().map(|z| fixed(z, 0, bits)).collect();
         } else {
             let near: Vec<Fixed> = p
                 .iter()
                 .map(|c| {
-                    let re = c.big() << bits >> size.unsigned_abs();
+                    let re = c.big() << bits >> size;
                     Fixed { z: Gauss { re, im: BigInt::zero() }, bits }
                 })
                 .collect();
             found = if lost {
-                starts.iter().map(|(z, e)| z.fixed(*e, bits)).collect()
+                fast::starts(factor, scale).iter().map(|(z, e)| fixed(z, *e, bits)).collect()
             } else {
                 found.iter().map(|x| Fixed { z: x.z.shifted(bits - x.bits), bits }).collect()
             };
@@ -226,12 +252,7 @@ fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize) -> Vec<ComplexRoot> {
             Some(ComplexRoot { multiplicity, factor: factor.clone(), centre, radius, depth })
         };
         let Some(upper) = centres.into_iter().map(root).collect::<Option<Vec<_>>>() else { continue };
-        let conjugate = |root: &ComplexRoot| {
-            let Gauss { re, im } = &root.centre;
-            (!im.is_zero()).then(|| ComplexRoot { centre: Gauss { re: re.clone(), im: -im }, ..root.clone() })
-        };
-        let roots: Vec<ComplexRoot> =
-            upper.iter().flat_map(|root| [Some(root.clone()), conjugate(root)]).flatten().collect();
+        let roots: Vec<ComplexRoot> = upper.into_iter().flat_map(with_conjugate).collect();
         if meeting(&roots).is_none() {
             return roots;
         }
@@ -248,20 +269,8 @@ fn symmetric(mut places: Vec<Gauss>, real: usize) -> Option<Vec<Gauss>> {
     (above == half && places.len() == real + half).then_some(places)
 }
 
-/// Complex numbers for the iteration.
-trait Number: Clone {
-    fn plus(&self, other: &Self) -> Self;
-    fn minus(&self, other: &Self) -> Self;
-    fn times(&self, other: &Self) -> Self;
-    /// The quotient; 0 for a divisor of 0.
-    fn over(&self, other: &Self) -> Self;
-    fn one(&self) -> Self;
-    /// About log2 of the size.
-    fn exponent(&self) -> i64;
-}
-
 /// Aberth's iteration, until no step is above 2^`goal` or it no longer helps.
-fn aberth<N: Number>(p: &[N], z: &mut [N], goal: i64) {
+fn aberth(p: &[Fixed], z: &mut [Fixed], goal: i64) {
     for _ in 0..200 {
         let mut largest = i64::MIN;
         for i in 0..z.len() {
@@ -285,89 +294,14 @@ fn aberth<N: Number>(p: &[N], z: &mut [N], goal: i64) {
     }
 }
 
-/// On circles whose radii the Newton polygon of the coefficients gives; with powers of two apart, as f64 ends at 2^-1074.
-fn starts(p: &[Int]) -> Vec<(Complex64, i64)> {
-    let logarithm = |c: &Int| {
-        let bits = c.bits() as i64;
-        bits as f64 + 2.0 * c.abs().to_f64_shifted(bits) - 2.0
+/// z 2^exponent, for parts below 2^60.
+fn fixed(z: &fast::Complex, exponent: i64, bits: u64) -> Fixed {
+    let shift = bits as i64 + exponent - 60;
+    let part = |x: f64| {
+        let x = BigInt::from(ldexp(x, 60) as i128);
+        if shift < 0 { x >> shift.unsigned_abs() } else { x << shift.unsigned_abs() }
     };
-    let mut hull: Vec<(usize, f64)> = vec![];
-    for (k, c) in p.iter().enumerate().filter(|(_, c)| !c.is_zero()) {
-        let here = (k, logarithm(c));
-        let rise = |a: &(usize, f64), b: &(usize, f64)| (b.1 - a.1) / (b.0 - a.0) as f64;
-        while hull.len() > 1 && rise(&hull[hull.len() - 2], &hull[hull.len() - 1]) <= rise(&hull[hull.len() - 1], &here)
-        {
-            hull.pop();
-        }
-        hull.push(here);
-    }
-    // a turn by the golden angle spreads any number of points
-    let turn = Complex64 { re: -0.737_368_878_078_319_9, im: 0.675_490_294_261_523_8 };
-    let mut direction = Complex64 { re: 0.8, im: 0.6 };
-    let edges = hull.windows(2).flat_map(|edge| {
-        let exponent = (edge[0].1 - edge[1].1) / (edge[1].0 - edge[0].0) as f64;
-        vec![(1.0 + exponent - exponent.floor(), exponent.floor() as i64); edge[1].0 - edge[0].0]
-    });
-    edges
-        .map(|(radius, exponent)| {
-            direction = direction.times(&turn);
-            (Complex64 { re: radius * direction.re, im: radius * direction.im }, exponent)
-        })
-        .collect()
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Complex64 {
-    re: f64,
-    im: f64,
-}
-
-impl Complex64 {
-    fn scaled(self, exponent: i64) -> Self {
-        Self { re: ldexp(self.re, exponent), im: ldexp(self.im, exponent) }
-    }
-
-    /// Times 2^exponent; for parts below 2^60.
-    fn fixed(self, exponent: i64, bits: u64) -> Fixed {
-        let shift = bits as i64 + exponent - 60;
-        let part = |x: f64| {
-            let x = BigInt::from(ldexp(x, 60) as i128);
-            if shift < 0 { x >> shift.unsigned_abs() } else { x << shift.unsigned_abs() }
-        };
-        Fixed { z: Gauss { re: part(self.re), im: part(self.im) }, bits }
-    }
-}
-
-impl Number for Complex64 {
-    fn plus(&self, other: &Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        Self { re: self.re - other.re, im: self.im - other.im }
-    }
-
-    fn times(&self, other: &Self) -> Self {
-        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
-    }
-
-    fn over(&self, other: &Self) -> Self {
-        let norm = other.re * other.re + other.im * other.im;
-        if norm < 1e-300 {
-            return Self { re: 0.0, im: 0.0 };
-        }
-        let conjugate = Self { re: other.re / norm, im: -other.im / norm };
-        self.times(&conjugate)
-    }
-
-    fn one(&self) -> Self {
-        Self { re: 1.0, im: 0.0 }
-    }
-
-    fn exponent(&self) -> i64 {
-        let (m, e) = decompose(self.re.abs().max(self.im.abs()));
-        if m == 0 { i64::MIN } else { e + 64 - i64::from(m.leading_zeros()) }
-    }
+    Fixed { z: Gauss { re: part(z.re), im: part(z.im) }, bits }
 }
 
 /// A Gaussian integer over 2^bits.
@@ -377,7 +311,7 @@ struct Fixed {
     bits: u64,
 }
 
-impl Number for Fixed {
+impl Fixed {
     fn plus(&self, other: &Self) -> Self {
         Self { z: Gauss { re: &self.z.re + &other.z.re, im: &self.z.im + &other.z.im }, bits: self.bits }
     }
@@ -395,6 +329,7 @@ impl Number for Fixed {
         Self { z, bits: self.bits }
     }
 
+    /// The quotient; 0 for a divisor of 0.
     fn over(&self, other: &Self) -> Self {
         Self { z: self.z.shifted(self.bits).over(&other.z), bits: self.bits }
     }
@@ -403,6 +338,7 @@ impl Number for Fixed {
         Self { z: Gauss { re: BigInt::one() << self.bits, im: BigInt::zero() }, bits: self.bits }
     }
 
+    /// About log2 of the size.
     fn exponent(&self) -> i64 {
         self.z.re.bits().max(self.z.im.bits()) as i64 - self.bits as i64
     }

@@ -2,6 +2,7 @@
 
 mod common;
 mod complex;
+mod fast;
 mod power;
 mod real;
 

@@ -159,29 +159,23 @@ pub(super) fn square_free_factors(p: &[Int]) -> Vec<(Vec<Int>, usize)> {
 /// Are two polynomials coprime modulo a prime that divides neither leading coefficient? Then they are over Q.
 fn coprime_modulo_a_prime(p: &[Int], q: &[Int]) -> bool {
     const PRIME: u64 = (1 << 61) - 1;
-    let times = |a: u64, b: u64| (u128::from(a) * u128::from(b) % u128::from(PRIME)) as u64;
-    let inverse = |a: u64| {
-        let (mut power, mut base, mut exponent) = (1, a, PRIME - 2);
-        while exponent > 0 {
-            if exponent & 1 == 1 {
-                power = times(power, base);
-            }
-            base = times(base, base);
-            exponent >>= 1;
-        }
-        power
+    // 2^61 is 1 modulo this prime
+    let reduced = |x: u128| {
+        let folded = (x as u64 & PRIME) + (x >> 61) as u64;
+        if folded >= PRIME { folded - PRIME } else { folded }
     };
-    let reduced = |p: &[Int]| p.iter().map(|c| c.modulo(PRIME)).collect::<Vec<u64>>();
-    let (mut a, mut b) = (reduced(p), reduced(q));
+    let times = |a: u64, b: u64| reduced(u128::from(a) * u128::from(b));
+    let residues = |p: &[Int]| p.iter().map(|c| c.modulo(PRIME)).collect::<Vec<u64>>();
+    let (mut a, mut b) = (residues(p), residues(q));
     if a.last().is_none_or(|c| *c == 0) || b.last().is_none_or(|c| *c == 0) {
         return false;
     }
     while b.len() > 1 {
-        let per = inverse(b[b.len() - 1]);
         while a.len() >= b.len() {
-            let (factor, shift) = (times(a[a.len() - 1], per), a.len() - b.len());
-            for (i, c) in b.iter().enumerate() {
-                a[i + shift] = (a[i + shift] + PRIME - times(factor, *c)) % PRIME;
+            let (top, lead, shift) = (a[a.len() - 1], b[b.len() - 1], a.len() - b.len());
+            for (i, c) in a.iter_mut().enumerate() {
+                let other = if i < shift { 0 } else { times(top, b[i - shift]) };
+                *c = reduced(u128::from(times(lead, *c)) + u128::from(PRIME - other));
             }
             while a.last() == Some(&0) {
                 a.pop();

@@ -1,4 +1,5 @@
-//! Real roots: square-free factors, then bisection by Descartes' rule of signs on Bernstein coefficients.
+//! Real roots: square-free factors, then those of all complex roots in f64 (`fast`) that are real; where f64 fails, bisection
+//! by Descartes' rule of signs on Bernstein coefficients.
 //!
 //! On an interval the roots inside are as many as the changes of sign of the Bernstein coefficients, or fewer by an even
 //! number: none or one change decides. Of a square-free polynomial every small enough interval is decided.
@@ -10,6 +11,8 @@ use num_integer::Integer;
 use num_traits::{One, Signed, Zero};
 
 use super::common::halves;
+use super::complex::common;
+use super::fast;
 use super::power::{of_factors, square_free_factors, to_bernstein, to_power};
 use crate::error::Error;
 use crate::integer::Int;
@@ -51,7 +54,15 @@ pub fn real_roots(coefficients: &[Rational]) -> Result<Vec<RealRoot>, Error> {
         RealRoot { multiplicity, factor, start: zero.clone(), length: zero, depth: 0 }
     };
     let mut roots = of_factors(coefficients, at_zero, |factor, multiplicity| {
-        [true, false].into_iter().flat_map(|negative| one_side(factor, multiplicity, negative)).collect()
+        let found = fast::roots(factor);
+        let Some(disks) = found.disks else {
+            return [true, false].into_iter().flat_map(|negative| one_side(factor, multiplicity, negative)).collect();
+        };
+        let root = |disk: &fast::Disk| {
+            let ([centre, _, radius], depth) = common([disk.centre.re, 0.0, disk.radius], found.scale);
+            RealRoot { multiplicity, factor: factor.clone(), start: centre - &radius, length: radius * 2, depth }
+        };
+        disks.iter().filter(|disk| disk.centre.im == 0.0).map(root).collect()
     })?;
     part(&mut roots);
     Ok(roots)
