@@ -10,7 +10,7 @@ use num_traits::{One, Signed, Zero};
 
 use super::fast;
 use super::power::{derivative, of_factors};
-use super::real::one_side;
+use super::real::{RealRoot, one_side};
 use crate::error::Error;
 use crate::integer::{Int, decompose, ldexp};
 use crate::number::{Rational, compare};
@@ -213,8 +213,12 @@ pub(super) fn common(numbers: [f64; 3], scale: i64) -> ([BigInt; 3], u64) {
 }
 
 fn isolated_slowly(factor: &Arc<Vec<Int>>, multiplicity: usize, near: &fast::Found) -> Vec<ComplexRoot> {
-    let real = [true, false].map(|negative| one_side(factor, 1, negative).len()).iter().sum();
+    let real: Vec<RealRoot> = [true, false].iter().flat_map(|negative| one_side(factor, 1, *negative)).collect();
     let (n, slope, scale) = (factor.len() - 1, derivative(factor), near.scale);
+    if real.len() == n {
+        return all_real(factor, multiplicity, real);
+    }
+    let real = real.len();
     // p(2^scale x), whose roots are in the unit disk
     let shift = |k: usize| if scale < 0 { n - k } else { k } as u64 * scale.unsigned_abs();
     let p: Vec<Int> = factor.iter().enumerate().map(|(k, c)| c << shift(k)).collect();
@@ -255,6 +259,26 @@ fn isolated_slowly(factor: &Arc<Vec<Int>>, multiplicity: usize, near: &fast::Fou
         let roots: Vec<ComplexRoot> = upper.into_iter().flat_map(with_conjugate).collect();
         if meeting(&roots).is_none() {
             return roots;
+        }
+    }
+}
+
+/// About the middles of intervals that are refined until the disks are apart.
+fn all_real(factor: &Arc<Vec<Int>>, multiplicity: usize, mut places: Vec<RealRoot>) -> Vec<ComplexRoot> {
+    let slope = derivative(factor);
+    loop {
+        let root = |place: &RealRoot| {
+            let (re, depth) = place.middle();
+            let centre = Gauss { re, im: BigInt::zero() };
+            let radius = disk(factor, &slope, &centre, depth)?;
+            Some(ComplexRoot { multiplicity, factor: factor.clone(), centre, radius, depth })
+        };
+        let roots = places.iter().map(root).collect::<Option<Vec<_>>>();
+        if let Some(roots) = roots.filter(|roots| meeting(roots).is_none()) {
+            return roots;
+        }
+        for place in &mut places {
+            place.refine(&((place.hi() - place.lo()) / (BigInt::one() << 20_u8)));
         }
     }
 }

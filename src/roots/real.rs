@@ -106,6 +106,11 @@ impl RealRoot {
         }
     }
 
+    /// The middle, over 2^depth.
+    pub(super) fn middle(&self) -> (BigInt, u64) {
+        ((&self.start << 1_u8) + &self.length, self.depth + 1)
+    }
+
     /// Takes one of 2^bits parts of the interval, if it is the one where the chord meets the axis.
     fn refined(&mut self, bits: u64) -> bool {
         let scaled = |x: &BigInt| x << bits;
@@ -247,8 +252,11 @@ fn changes(p: &[Int]) -> usize {
 /// Puts roots of several factors in order, narrowed until no two intervals meet.
 fn part(roots: &mut [RealRoot]) {
     loop {
-        roots.sort_by(|a, b| compare(&a.lo(), &b.lo()));
-        let meeting = (1..roots.len()).find(|&i| compare(&roots[i - 1].hi(), &roots[i].lo()).is_ge());
+        // x / 2^m against y / 2^n
+        let order = |(x, m): (&BigInt, u64), (y, n): (&BigInt, u64)| (x << n).cmp(&(y << m));
+        roots.sort_by(|a, b| order((&a.start, a.depth), (&b.start, b.depth)));
+        let meet = |a: &RealRoot, b: &RealRoot| order((&(&a.start + &a.length), a.depth), (&b.start, b.depth)).is_ge();
+        let meeting = (1..roots.len()).find(|&i| meet(&roots[i - 1], &roots[i]));
         let Some(i) = meeting else { return };
         for root in &mut roots[i - 1..=i] {
             let half = Rational::new(root.length.clone(), BigInt::one() << (root.depth + 1));
