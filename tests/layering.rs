@@ -23,7 +23,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("bernstein", &["enclosure", "integer"]),
     ("roots", &["bernstein", "error", "integer", "number"]),
     ("spine", &["bernstein", "curve", "error", "integer", "number", "roots"]),
-    ("search", &["bernstein", "certificate", "enclosure", "integer", "number", "roots", "search", "spine"]),
+    ("search", &["bernstein", "certificate", "enclosure", "error", "integer", "number", "roots", "search", "spine"]),
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
     ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),

@@ -99,6 +99,25 @@ impl ComplexRoot {
         dyadic(&self.radius, self.depth)
     }
 
+    /// A square-free factor, by rising powers, of which this is a root.
+    pub(crate) fn factor(&self) -> &[Int] {
+        &self.factor
+    }
+
+    /// Centre and radius over 2^depth.
+    pub(crate) fn over(&self) -> ([&BigInt; 3], u64) {
+        ([&self.centre.re, &self.centre.im, &self.radius], self.depth)
+    }
+
+    /// A disk n |p(z) / p'(z)| whose centre is that of this one cut to a multiple of 2^-`depth`: re, im, radius over
+    /// 2^`depth`. `None` if p'(z) = 0 there.
+    pub(crate) fn cut(&self, depth: u64) -> Option<[BigInt; 3]> {
+        let at = |x: &BigInt| (x << depth) >> self.depth;
+        let centre = Gauss { re: at(&self.centre.re), im: at(&self.centre.im) };
+        let radius = disk(&self.factor, &derivative(&self.factor), &centre, depth)?;
+        Some([centre.re, centre.im, radius])
+    }
+
     /// Narrows the disk to at most this radius, if that is > 0: Newton's method, each disk proved to lie in the one before.
     pub fn refine(&mut self, radius: &Rational) {
         if !radius.is_positive() {

@@ -38,7 +38,7 @@ pub(super) fn to_power(bernstein: &[Int]) -> Vec<Int> {
 }
 
 /// A positive multiple of the Bernstein coefficients b on [0, 1]: p[k] / C(n,k) are the differences of order k at b[0].
-pub(super) fn to_bernstein(power: &[Int]) -> Vec<Int> {
+pub(crate) fn to_bernstein(power: &[Int]) -> Vec<Int> {
     let binomials = crate::bernstein::int_binomials(power.len() - 1);
     let common = Int::from(binomials.iter().fold(BigInt::one(), |all, c| lcm(&all, &c.big())));
     let mut row: Vec<Int> = power.iter().zip(&binomials).map(|(p, c)| p * &exact_div(&common, c)).collect();
