@@ -4,11 +4,15 @@
 
 mod curvature;
 mod pairs;
+mod squares;
 mod text;
 
 use crate::number::Rational;
 pub(crate) use curvature::Course;
 pub(crate) use pairs::{Evidence as PairsEvidence, Isolated};
+pub(crate) use squares::{
+    Disk as SquaresDisk, Evidence as SquaresEvidence, Factor as SquaresFactor, Segment as SquaresSegment,
+};
 pub use text::{MAX_CERTIFICATE_BYTES, MAX_CERTIFICATE_DIGITS};
 
 /// Evidence for a claim about one curve; the format is docs/certificate-format.md.
@@ -26,6 +30,7 @@ pub(crate) enum Evidence {
     Radius(Tube),
     Pairs(pairs::Evidence),
     Curvature(Course),
+    Squares(squares::Evidence),
 }
 
 /// That delta lies in [lo, hi].

@@ -3,11 +3,13 @@
 
 mod curvature;
 mod pairs;
+mod squares;
 
 use crate::curve::Curve;
 use crate::number::Rational;
 pub use curvature::{Critical, CriticalKind, CriticalPoints, Stretch};
 pub use pairs::{PairBox, Pairs};
+pub use squares::{RootBox, Squares, TwoSquares};
 
 /// What a JSON enclosure says: at least the first, at most the second; null is `None`, +infinity.
 pub type Bounds = [Option<Rational>; 2];
@@ -36,4 +38,6 @@ pub enum Statement {
     Pairs(Pairs),
     /// "These are the greatest curvature and the critical points of curvature".
     Curvature(CriticalPoints),
+    /// |C'|^2 as a sum of two squares, on one Bezier segment after the other.
+    Squares(Vec<Squares>),
 }

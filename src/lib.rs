@@ -30,6 +30,8 @@ pub mod roots;
 mod search;
 #[cfg(feature = "search")]
 mod spine;
+#[cfg(feature = "search")]
+mod squares;
 
 pub use certificate::Certificate;
 pub use check::{Rejection, Verified, verify};
@@ -49,3 +51,5 @@ pub use radius::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Term
 pub use search::meter::Stop;
 #[cfg(feature = "search")]
 pub use spine::Spine;
+#[cfg(feature = "search")]
+pub use squares::{Decomposition, SegmentSquares, SquareRoot, Squares, SquaresOptions, squares};

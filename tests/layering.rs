@@ -43,6 +43,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "spine",
         ],
     ),
+    ("squares", &["certificate", "check", "claim", "error", "number", "options", "roots", "search", "spine"]),
     ("radius", &["certificate", "check", "curve", "error", "number", "options", "search", "spine"]),
 ];
 

@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, Course, EndTree, Evidence, Foot, Node, PairsEvidence, Tube, Upper};
+use super::{Certificate, Course, EndTree, Evidence, Foot, Node, PairsEvidence, SquaresEvidence, Tube, Upper};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -47,6 +47,7 @@ impl Certificate {
             Evidence::Radius(tube) => ("radius", tube.encode()),
             Evidence::Pairs(pairs) => ("pairs", pairs.encode()),
             Evidence::Curvature(course) => ("curvature", course.encode()),
+            Evidence::Squares(squares) => ("squares", squares.encode()),
         };
         format!("{HEAD} {kind}\ncurve {}\n{text}end\n", self.digest)
     }
@@ -60,6 +61,7 @@ impl Certificate {
             }
             Evidence::Pairs(pairs) => counted(pairs.along.iter().chain(&pairs.tree)),
             Evidence::Curvature(course) => course.leaves(),
+            Evidence::Squares(squares) => squares.parts(),
         }
     }
 }
@@ -188,6 +190,7 @@ impl<'a> Lines<'a> {
             "radius" => Evidence::Radius(self.tube()?),
             "pairs" => Evidence::Pairs(PairsEvidence::decode(self)?),
             "curvature" => Evidence::Curvature(Course::read(self)?),
+            "squares" => Evidence::Squares(SquaresEvidence::decode(self)?),
             _ => return Err(undecodable(1, format_args!("this version knows no certificates of {}", excerpt(kind)))),
         };
         self.after("end")?;
@@ -259,19 +262,20 @@ impl<'a> Lines<'a> {
     }
 
     pub(super) fn rational(&self, text: &str) -> Result<Rational, Error> {
-        let integer = |text: &str| {
-            if text.strip_prefix('-').unwrap_or(text).len() > MAX_CERTIFICATE_DIGITS {
-                let what = format_args!("line {}: a number of {} characters", self.number, text.len());
-                return Err(over_limit(what, MAX_CERTIFICATE_DIGITS, "MAX_CERTIFICATE_DIGITS"));
-            }
-            BigInt::parse_bytes(text.as_bytes(), 10)
-                .ok_or_else(|| self.error(format_args!("{} is no number", excerpt(text))))
-        };
         let (p, q) = match text.split_once('/') {
-            Some((p, q)) => (integer(p)?, integer(q)?),
-            None => (integer(text)?, BigInt::one()),
+            Some((p, q)) => (self.integer(p)?, self.integer(q)?),
+            None => (self.integer(text)?, BigInt::one()),
         };
         if q.is_zero() { Err(self.error("the denominator 0")) } else { Ok(Rational::new(p, q)) }
+    }
+
+    pub(super) fn integer(&self, text: &str) -> Result<BigInt, Error> {
+        if text.strip_prefix('-').unwrap_or(text).len() > MAX_CERTIFICATE_DIGITS {
+            let what = format_args!("line {}: a number of {} characters", self.number, text.len());
+            return Err(over_limit(what, MAX_CERTIFICATE_DIGITS, "MAX_CERTIFICATE_DIGITS"));
+        }
+        BigInt::parse_bytes(text.as_bytes(), 10)
+            .ok_or_else(|| self.error(format_args!("{} is no number", excerpt(text))))
     }
 
     fn upper(&mut self) -> Result<Upper, Error> {

@@ -12,6 +12,7 @@ mod poly;
 mod radius;
 mod range;
 mod rules;
+mod squares;
 #[cfg(test)]
 mod tests;
 mod upper;
@@ -62,7 +63,8 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
         (Statement::Curvature(points), Evidence::Curvature(course)) => {
             curvature::verify(&claim.curve, &spine, points, course)?;
         }
-        _ => return Err(Rejection::of("kind", "the certificate is of another kind")),
+        (Statement::Squares(claimed), Evidence::Squares(found)) => squares::verify(&spine, claimed, &found.segments)?,
+        _ => return Err(Rejection::of("claim", "the certificate is for another kind of claim")),
     }
     Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves: certificate.leaves() })
 }

@@ -8,6 +8,6 @@ mod real;
 
 pub(crate) use common::{Place, common_factor, common_zero};
 pub use complex::{ComplexRoot, complex_roots};
-pub(crate) use real::roots_inside;
 pub(crate) use power::to_bernstein;
+pub(crate) use real::roots_inside;
 pub use real::{RealRoot, real_roots};
