@@ -85,7 +85,7 @@ impl Evidence {
 
     pub(super) fn decode(lines: &mut Lines) -> Result<Self, Error> {
         let mut segments = vec![];
-        while lines.starts_with("segment") {
+        while lines.next_is("segment") {
             segments.push(Segment::decode(lines)?);
         }
         Ok(Self { segments })
@@ -97,18 +97,18 @@ impl Segment {
         let [bits] = lines.fields("segment")?;
         let bits = small(lines, bits)?;
         let (mut factors, mut disks, mut roots) = (vec![], vec![], vec![]);
-        while lines.starts_with("factor") {
+        while lines.next_is("factor") {
             let fields = lines.after("factor")?;
             let (first, rest) = fields.split_first().ok_or_else(|| lines.error("a factor has a multiplicity"))?;
             let coefficients = rest.iter().map(|text| lines.integer(text)).collect::<Result<_, _>>()?;
             factors.push(Factor { multiplicity: small(lines, first)?, coefficients });
         }
-        while lines.starts_with("disk") {
+        while lines.next_is("disk") {
             let [factor, re, im, radius] = lines.fields("disk")?;
             let [re, im, radius] = [lines.integer(re)?, lines.integer(im)?, lines.integer(radius)?];
             disks.push(Disk { factor: small(lines, factor)?, re, im, radius });
         }
-        while lines.starts_with("root") {
+        while lines.next_is("root") {
             let [multiplicity, a, b, c, d] = lines.fields("root")?;
             let [a, b, c, d] = lines.rationals([a, b, c, d])?;
             roots.push(RootBox { re: [a, b], im: [c, d], multiplicity: small(lines, multiplicity)? });
@@ -116,7 +116,7 @@ impl Segment {
         let [count] = lines.fields("count")?;
         let count = small(lines, count)?;
         let (mut choices, mut decompositions) = (vec![], vec![]);
-        while lines.starts_with("choice") {
+        while lines.next_is("choice") {
             let fields = lines.after("choice")?;
             choices.push(fields.iter().map(|text| small(lines, text)).collect::<Result<_, _>>()?);
             let mut polynomial = |word| {

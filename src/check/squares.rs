@@ -201,12 +201,14 @@ fn decomposition(roots: &[Root], choice: &[usize], bits: u32, lead: &Rational, c
     let degree = product.len() - 1;
     let lengths = claim.alpha.len() == degree + 1 && claim.beta.len() == degree.max(1);
     check(lengths, "a polynomial has another length")?;
-    // root / 2^shift <= sqrt(lead) <= (root + 1) / 2^shift
+    // root / 2^shift <= sqrt(lead) <= above / 2^shift
     let shift = u64::from(bits) + lead.denom().bits();
     let root = ((lead.numer() << (2 * shift)) / lead.denom()).sqrt();
+    let exact = root.pow(2) * lead.denom() == lead.numer() << (2 * shift);
+    let above = if exact { root.clone() } else { &root + 1 };
     let unit = BigInt::one() << (shift + u64::from(bits));
     let told = |bounds: &[Rational; 2], x: &BigInt, radius: &BigInt| {
-        let scaled = |x: BigInt, outward: Sign| if x.sign() == outward { x * (&root + 1) } else { x * &root };
+        let scaled = |x: BigInt, outward: Sign| if x.sign() == outward { x * &above } else { x * &root };
         within(bounds, &scaled(x - radius, Sign::Minus), &scaled(x + radius, Sign::Plus), &unit)
     };
     let alpha = claim.alpha.iter().zip(&product).all(|(bounds, disk)| told(bounds, &disk.re, &disk.radius));

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
-use tubecert::claim::{Critical, CriticalKind, CriticalPoints, PairBox, Pairs, Stretch};
+use tubecert::claim::{Critical, CriticalKind, CriticalPoints, PairBox, Pairs, RootBox, Squares, Stretch, TwoSquares};
 use tubecert::number::{Rational, parse_rational};
 use tubecert::{Curve, ErrorKind, Statement};
 
@@ -31,6 +31,7 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
         Some("radius") => radius,
         Some("pairs") => pairs,
         Some("curvature") => curvature,
+        Some("squares") => squares,
         _ => return Err(wrong("command", "this is no answer that a certificate can prove")),
     };
     if string(root, "curve.digest")? != Some(curve.digest()) {
@@ -89,6 +90,40 @@ fn curvature(root: &RawValue) -> Result<Statement, Wrong> {
         points: items(root, "critical_points")?.into_iter().map(point).collect::<Result<_, Wrong>>()?,
         constant: items(root, "constant")?.into_iter().map(stretch).collect::<Result<_, Wrong>>()?,
     }))
+}
+
+fn squares(root: &RawValue) -> Result<Statement, Wrong> {
+    let range = |item: &RawValue, key: &str| match enclosure(item, key)? {
+        [Some(lo), Some(hi)] => Ok([lo, hi]),
+        _ => Err(wrong(key, "a number is infinite")),
+    };
+    let whole = |item: &RawValue, key: &str| {
+        let text = member(item, key)?;
+        text.parse::<u128>().map_err(|error| wrong(key, error))
+    };
+    let one = |item: &RawValue| {
+        let multiplicity =
+            usize::try_from(whole(item, "multiplicity")?).map_err(|error| wrong("multiplicity", error))?;
+        Ok(RootBox { re: range(item, "re")?, im: range(item, "im")?, multiplicity })
+    };
+    let coefficients = |item: &RawValue, key: &str| {
+        let each = |item: &RawValue| match [bound(item, "lo")?, bound(item, "hi")?] {
+            [Some(lo), Some(hi)] => Ok([lo, hi]),
+            _ => Err(wrong(key, "a coefficient is infinite")),
+        };
+        items(item, key)?.into_iter().map(each).collect::<Result<Vec<_>, Wrong>>()
+    };
+    let two =
+        |item: &RawValue| Ok(TwoSquares { alpha: coefficients(item, "alpha")?, beta: coefficients(item, "beta")? });
+    let segment = |item: &RawValue| {
+        Ok(Squares {
+            roots: items(item, "roots")?.into_iter().map(one).collect::<Result<_, Wrong>>()?,
+            count: whole(item, "count")?,
+            decompositions: items(item, "decompositions")?.into_iter().map(two).collect::<Result<_, Wrong>>()?,
+        })
+    };
+    let segments = items(root, "segments")?.into_iter().map(segment).collect::<Result<_, Wrong>>()?;
+    Ok(Statement::Squares(segments))
 }
 
 /// The values of an array.

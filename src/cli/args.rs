@@ -32,6 +32,9 @@ pub enum Command {
     /// Every stationary pair of the squared distance of two points, each proved to be alone in its box
     #[cfg(feature = "search")]
     Pairs(PairsArgs),
+    /// Roots of |C'|^2, and all ways to write it as a sum of two squares
+    #[cfg(feature = "search")]
+    Squares(SquaresArgs),
     /// Replays a certificate in exact arithmetic: does it prove the claim about the curve?
     Verify(VerifyArgs),
     /// Prints the completion script of a shell
@@ -103,6 +106,16 @@ pub struct CurvatureArgs {
 pub struct PairsArgs {
     #[command(flatten)]
     pub common: Common,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, clap::Args)]
+pub struct SquaresArgs {
+    #[command(flatten)]
+    pub common: Common,
+    /// List at most N decompositions of a segment
+    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true)]
+    pub limit: usize,
 }
 
 #[cfg(feature = "search")]

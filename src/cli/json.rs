@@ -78,3 +78,9 @@ impl Serialize for E {
 pub fn raw(number: String) -> Box<RawValue> {
     RawValue::from_string(number).expect("the text of a number is JSON")
 }
+
+/// A decimal if it is one, else a fraction in quotes.
+#[cfg(feature = "search")]
+pub fn rational(x: &tubecert::Rational) -> Box<RawValue> {
+    raw(tubecert::number::decimal_text(x).unwrap_or_else(|| format!("\"{}\"", tubecert::number::to_fraction_text(x))))
+}

@@ -13,6 +13,8 @@ mod json;
 mod pairs;
 #[cfg(feature = "search")]
 mod radius;
+#[cfg(feature = "search")]
+mod squares;
 mod text;
 mod verify;
 
@@ -68,6 +70,8 @@ pub fn main() -> ExitCode {
         Command::Curvature(args) => say(curvature::run(&args), args.common.json),
         #[cfg(feature = "search")]
         Command::Pairs(args) => say(pairs::run(&args), args.common.json),
+        #[cfg(feature = "search")]
+        Command::Squares(args) => say(squares::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write

@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
-use tubecert::claim::{Bounds, Claim, CriticalPoints, PairBox, Pairs, Statement};
+use tubecert::claim::{Bounds, Claim, CriticalPoints, PairBox, Pairs, RootBox, Statement, TwoSquares};
 use tubecert::number::{Rational, decimal_text, to_fraction_text};
 
 use super::answer::{self, Wrong};
@@ -117,6 +117,7 @@ struct ClaimData {
 enum StatementData {
     Radius(Range),
     Curvature { kappa_max: Range, at: Range, critical_points: Vec<PointData>, constant: Vec<StretchData> },
+    Squares { segments: Vec<SegmentData> },
     Pairs { pairs: Vec<PairData>, undecided: Vec<PairData>, complete: bool },
 }
 
@@ -139,6 +140,26 @@ struct StretchData {
     from: Option<Bound>,
     to: Option<Bound>,
     kappa: Range,
+}
+
+#[derive(Serialize)]
+struct SegmentData {
+    roots: Vec<RootData>,
+    count: u128,
+    decompositions: Vec<TwoSquaresData>,
+}
+
+#[derive(Serialize)]
+struct RootData {
+    re: Range,
+    im: Range,
+    multiplicity: usize,
+}
+
+#[derive(Serialize)]
+struct TwoSquaresData {
+    alpha: Vec<Range>,
+    beta: Vec<Range>,
 }
 
 #[derive(Serialize)]
@@ -175,6 +196,24 @@ impl StatementData {
                 let (kappa_max, at) = (both(&claimed.kappa_max), both(&claimed.at));
                 let (critical_points, constant) = (points.collect(), constant.collect());
                 ("curvature", Self::Curvature { kappa_max, at, critical_points, constant })
+            }
+            Statement::Squares(claimed) => {
+                let both = |[lo, hi]: &[Rational; 2]| range(Some(lo), Some(hi));
+                let root = |root: &RootBox| RootData {
+                    re: both(&root.re),
+                    im: both(&root.im),
+                    multiplicity: root.multiplicity,
+                };
+                let two = |two: &TwoSquares| TwoSquaresData {
+                    alpha: two.alpha.iter().map(both).collect(),
+                    beta: two.beta.iter().map(both).collect(),
+                };
+                let segments = claimed.iter().map(|segment| SegmentData {
+                    roots: segment.roots.iter().map(root).collect(),
+                    count: segment.count,
+                    decompositions: segment.decompositions.iter().map(two).collect(),
+                });
+                ("squares", Self::Squares { segments: segments.collect() })
             }
             Statement::Pairs(claimed) => {
                 let [pairs, undecided] = [&claimed.pairs, &claimed.undecided].map(|all| all.iter().map(pair).collect());
@@ -235,6 +274,15 @@ fn claimed(claim: &Claim) -> String {
                 number(hi),
                 unit(&claim.curve),
                 points.len()
+            )
+        }
+        Statement::Squares(segments) => {
+            let roots: usize = segments.iter().map(|segment| segment.roots.len()).sum();
+            let listed: usize = segments.iter().map(|segment| segment.decompositions.len()).sum();
+            format!(
+                "|C'|^2 has exactly {roots} complex roots on {} segments, one in each of the boxes claimed; {listed} decompositions into two squares\n\
+                 the twists are not part of this claim\n",
+                segments.len()
             )
         }
         Statement::Pairs(Pairs { pairs, undecided }) if undecided.is_empty() => {

@@ -75,7 +75,7 @@ impl Choices {
     }
 
     /// How many there are: (prod (k + 1) + [all k even]) / 2, below 2^126 as the multiplicities sum up to 126 at most.
-    pub(crate) fn count(&self) -> u128 {
+    pub(crate) fn total(&self) -> u128 {
         let all = self.multiplicities.iter().fold(1_u128, |all, k| all * (*k as u128 + 1));
         let even = self.multiplicities.iter().all(|k| k % 2 == 0);
         (all + u128::from(even)) / 2
@@ -260,7 +260,7 @@ mod tests {
             [vec![], vec![1], vec![2], vec![1, 1, 1], vec![2, 2], vec![2, 1, 3], vec![4, 2], vec![3, 3]]
         {
             let choices = Choices::new(multiplicities.clone());
-            let count = choices.count();
+            let count = choices.total();
             let all: Vec<Choice> = choices.collect();
             assert_eq!(all.len() as u128, count);
             let conjugate = |c: &Choice| c.iter().zip(&multiplicities).map(|(j, k)| k - j).collect::<Choice>();

@@ -7,7 +7,7 @@ use super::{Found, Squares, sharpen};
 use crate::certificate::{Certificate, Evidence, SquaresDisk, SquaresEvidence, SquaresFactor, SquaresSegment};
 use crate::check::verify;
 use crate::claim::{self, Claim, Statement};
-use crate::number::{Rational, lower_text, parse_rational, upper_text};
+use crate::number::{lower_text, parse_rational, upper_text};
 use crate::options::Enclosure;
 use crate::spine::Spine;
 

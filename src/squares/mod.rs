@@ -79,7 +79,6 @@ pub fn squares(spine: &Spine, options: &SquaresOptions) -> Result<Squares, Error
 
 /// What is known of one segment.
 struct Found {
-    square: Square,
     roots: Vec<ComplexRoot>,
     count: u128,
     /// With the twists where they are known.
@@ -105,7 +104,7 @@ impl Found {
         }
         let upper = |root: &&ComplexRoot| !is_real(root) && root.im().is_positive();
         let choices = Choices::new(roots.iter().filter(upper).map(ComplexRoot::multiplicity).collect());
-        let count = choices.count();
+        let count = choices.total();
         let twist = if options.limit > 0 { Twist::of(&segment.bezier, &roots, meter) } else { None };
         let listed = if count <= RANKED && twist.is_some() { usize::MAX } else { options.limit };
         let unknown = Enclosure { lo: 0.0, hi: f64::INFINITY };
@@ -138,7 +137,7 @@ impl Found {
                 list.push((choice, coefficients, twists));
             }
         }
-        let mut found = Self { square, roots, count, list, axis: twist.map(|twist| twist.axis), complete };
+        let mut found = Self { roots, count, list, axis: twist.map(|twist| twist.axis), complete };
         found.complete &= found.roots_narrow(&width);
         Ok(found)
     }
