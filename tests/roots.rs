@@ -10,43 +10,6 @@ use tubecert::Rational;
 use tubecert::number::parse_rational;
 use tubecert::roots::{ComplexRoot, RealRoot, complex_roots, real_roots};
 
-fn value(p: &[Rational], x: &Rational) -> Rational {
-    p.iter().rev().fold(Rational::zero(), |sum, c| sum * x + c)
-}
-
-/// The number of roots, each counted once, in (from, to].
-fn sturm(p: &[Rational], from: &Rational, to: &Rational) -> usize {
-    let trimmed = |mut p: Poly| {
-        while p.last().is_some_and(Zero::is_zero) {
-            p.pop();
-        }
-        p
-    };
-    let slope = p.iter().enumerate().skip(1).map(|(k, c)| c * int(k as i64)).collect();
-    let mut chain = vec![p.to_vec(), trimmed(slope)];
-    while !chain[chain.len() - 1].is_empty() {
-        let [a, b] = [&chain[chain.len() - 2], &chain[chain.len() - 1]];
-        let mut rest = a.clone();
-        while rest.len() >= b.len() {
-            let factor = &rest[rest.len() - 1] / &b[b.len() - 1];
-            let shift = rest.len() - b.len();
-            for (i, c) in b.iter().enumerate() {
-                rest[i + shift] -= &factor * c;
-            }
-            rest.pop();
-        }
-        // positive multiples keep the signs: small ones
-        let size = rest.iter().map(Signed::abs).max().filter(|size| !size.is_zero());
-        chain.push(trimmed(rest.iter().map(|c| -c / size.clone().unwrap_or_else(Rational::one)).collect()));
-    }
-    let changes = |x: &Rational| {
-        let signs: Vec<bool> =
-            chain.iter().map(|p| value(p, x)).filter(|v| !v.is_zero()).map(|v| v.is_positive()).collect();
-        signs.windows(2).filter(|pair| pair[0] != pair[1]).count()
-    };
-    changes(from) - changes(to)
-}
-
 /// Each interval has one root by Sturm, and there are as many as on the whole line; the intervals are disjoint.
 fn agrees_with_sturm(p: &[Rational]) {
     let roots = real_roots(p).unwrap();

@@ -1,7 +1,7 @@
 //! How much the u-lines of a decomposition turn about the spine: the twist of theory.md, section 6, enclosed.
 //!
 //! With a = (c, z), f = |a|^2, s = |z| / sqrt f, Q = Im(conj(c) c') / f, K = |a x a'|^2 / f^2 and theta' = Im(conj(A) A') / f the
-//! mean over phi of ((N x N').T)^2 is (docs/claims.md, N)
+//! mean over phi of ((N x N').T)^2 is (docs/claims.md, P)
 //!   (theta' - Q)^2 / s + K / (s (1 + s)) - Q^2 (1 + s + s^2) / (s (1 + s)^2).
 //! For A = prod (t - z) over the roots z, theta' is a sum of y / ((t - x)^2 + y^2) with whole factors: the integral is a quadratic
 //! form in them. Its coefficients are enclosed once, for all decompositions of a segment, by Gauss's rule on cells.

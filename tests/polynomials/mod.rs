@@ -1,7 +1,7 @@
 //! Polynomials that are hard or usual, coefficients by rising power.
 #![allow(dead_code, reason = "not every user takes all")]
 
-use num_traits::{One, Zero};
+use num_traits::{One, Signed, Zero};
 use tubecert::Rational;
 
 pub type Poly = Vec<Rational>;
@@ -61,4 +61,41 @@ pub fn random(n: usize) -> Poly {
     let mut p: Poly = (0..=n).map(next).collect();
     p[n] = p[n].clone() + int(2000);
     p
+}
+
+pub fn value(p: &[Rational], x: &Rational) -> Rational {
+    p.iter().rev().fold(Rational::zero(), |sum, c| sum * x + c)
+}
+
+/// The number of roots, each counted once, in (from, to].
+pub fn sturm(p: &[Rational], from: &Rational, to: &Rational) -> usize {
+    let trimmed = |mut p: Poly| {
+        while p.last().is_some_and(Zero::is_zero) {
+            p.pop();
+        }
+        p
+    };
+    let slope = p.iter().enumerate().skip(1).map(|(k, c)| c * int(k as i64)).collect();
+    let mut chain = vec![p.to_vec(), trimmed(slope)];
+    while !chain[chain.len() - 1].is_empty() {
+        let [a, b] = [&chain[chain.len() - 2], &chain[chain.len() - 1]];
+        let mut rest = a.clone();
+        while rest.len() >= b.len() {
+            let factor = &rest[rest.len() - 1] / &b[b.len() - 1];
+            let shift = rest.len() - b.len();
+            for (i, c) in b.iter().enumerate() {
+                rest[i + shift] -= &factor * c;
+            }
+            rest.pop();
+        }
+        // positive multiples keep the signs: small ones
+        let size = rest.iter().map(Signed::abs).max().filter(|size| !size.is_zero());
+        chain.push(trimmed(rest.iter().map(|c| -c / size.clone().unwrap_or_else(Rational::one)).collect()));
+    }
+    let changes = |x: &Rational| {
+        let signs: Vec<bool> =
+            chain.iter().map(|p| value(p, x)).filter(|v| !v.is_zero()).map(|v| v.is_positive()).collect();
+        signs.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    };
+    changes(from) - changes(to)
 }
