@@ -377,7 +377,8 @@ fn wrong_usage_is_an_error() {
         &["radius", curve, "--certificate"],
         &["radius", curve, curve],
         &["radius"],
-        &["curvature", curve],
+        &["polyline", curve],
+        &["squares", curve, "--limit", "-1"],
         &["verify", curve],
         &["verify", curve, curve, curve],
         &["completions", "clay-tablet"],
@@ -401,13 +402,17 @@ fn wrong_usage_is_an_error() {
 
 #[test]
 fn help_names_what_works_and_nothing_else() {
-    let help = [&["--help"][..], &["radius", "--help"], &["verify", "--help"], &["help"]]
+    let help = [&["--help"][..], &["radius", "--help"], &["squares", "--help"], &["verify", "--help"], &["help"]]
         .map(|words| answer(&run(words), 0).to_string())
         .concat();
     for word in [
         "radius",
+        "curvature",
+        "pairs",
+        "squares",
         "verify",
         "completions",
+        "--limit",
         "--answer",
         "--json",
         "--rel-width",
@@ -419,7 +424,7 @@ fn help_names_what_works_and_nothing_else() {
     ] {
         assert!(help.contains(word), "{word}");
     }
-    for word in ["curvature", "pairs", "squares", "polyline", "check", "batch", "report", "--threads"] {
+    for word in ["polyline", "check", "batch", "report", "--threads"] {
         let named = help.split(|c: char| !(c.is_alphanumeric() || c == '-')).any(|found| found == word);
         assert!(!named, "{word} does not work yet");
     }
@@ -482,7 +487,8 @@ fn a_claim_is_verified_as_it_is_printed() {
     }
     // what makes no claim about this curve
     for (text, key) in [
-        (printed.replace("\"radius\"", "\"curvature\""), json!("command")),
+        (printed.replace("\"radius\"", "\"diameter\""), json!("command")),
+        (printed.replace("\"radius\"", "\"curvature\""), json!("kappa_max.lo")),
         (printed.replace("\"digest\":\"", "\"digest\":\"0"), json!("curve.digest")),
         (printed.replace("\"delta\"", "\"gamma\""), json!("delta.lo")),
         ("{".to_string(), Value::Null),
@@ -616,4 +622,32 @@ fn an_answer_that_cannot_be_written_is_no_answer() {
     assert_eq!(code(&output), 4);
     let output = tubecert(&["radius", "nope"]).stderr(full()).output().unwrap();
     assert_eq!(code(&output), 2);
+}
+
+/// What the other commands print, as JSON, verifies with their own certificates; and reads as the snapshots say.
+#[test]
+fn critical_points_pairs_and_squares() {
+    let certificate = std::env::temp_dir().join(format!("tubecert-{}.cert", std::process::id()));
+    let certificate = certificate.to_str().unwrap();
+    for path in curves() {
+        let file = Path::new(&path).file_stem().unwrap().to_str().unwrap();
+        for (command, key) in [("curvature", "kappa_max"), ("pairs", "pairs"), ("squares", "segments")] {
+            let words = [command, &path, "--limit", "8"];
+            let words = &words[..if command == "squares" { 4 } else { 2 }];
+            let output = run(&[words, &["--json", "--certificate", certificate]].concat());
+            assert!([0, 3].contains(&code(&output)), "{words:?} {}", text(&output.stderr));
+            let printed = text(&output.stdout);
+            let value: Value = serde_json::from_str(printed).unwrap();
+            assert_eq!((&value["schema"], &value["command"]), (&1.into(), &command.into()));
+            assert!(value.get(key).is_some() && value["complete"].as_bool() == Some(code(&output) == 0), "{printed}");
+            let verified = fed(&["verify", &path, certificate, "--answer", "-", "--json"], printed.as_bytes());
+            let said: Value = serde_json::from_str(answer(&verified, 0)).unwrap();
+            assert_eq!((&said["verdict"], &said["claim"]["kind"]), (&"verified".into(), &command.into()));
+            if ["m98_5_3", "m98_5_6_2", "trefoil", "circle_exact"].contains(&file) {
+                let output = run(words);
+                matches_snapshot(&format!("{file}.{command}.txt"), text(&output.stdout));
+            }
+        }
+    }
+    std::fs::remove_file(certificate).unwrap();
 }
