@@ -308,7 +308,10 @@ impl Form<Int> {
         let n = self.c.len() - 1;
         let times = |c: &Int, k: usize| c * &Int::from(k as i64);
         let slope = |(i, p): (usize, &[Int])| &times(&p[1], i + 1) - &times(&p[0], n - i);
-        let c = self.c.windows(2).enumerate().map(slope).collect();
+        let mut c: Vec<Int> = self.c.windows(2).enumerate().map(slope).collect();
+        if n == 0 {
+            c.push(Int::ZERO);
+        }
         Self { ds: self.ds.saturating_sub(1), dt: self.dt.saturating_sub(1), c, ..*self }
     }
 

@@ -9,7 +9,9 @@ mod text;
 
 use crate::number::Rational;
 pub(crate) use curvature::Course;
-pub(crate) use pairs::{Evidence as PairsEvidence, Isolated};
+pub(crate) use pairs::Evidence as PairsEvidence;
+#[cfg(feature = "search")]
+pub(crate) use pairs::Isolated;
 pub(crate) use squares::{
     Disk as SquaresDisk, Evidence as SquaresEvidence, Factor as SquaresFactor, Segment as SquaresSegment,
 };

@@ -546,6 +546,16 @@ fn is_true(claim: &CriticalPoints, truth: &CriticalPoints, samples: &[Rational])
     above && told && alone && meet(&claim.kappa_max, &truth.kappa_max) && meet(&claim.at, &truth.at)
 }
 
+/// Straight spines of degree 1, with and without weights, have certificates.
+#[test]
+fn straight_spines_have_certificates() {
+    let points = || vec![plane(int(0), int(0)), plane(int(1), int(2))];
+    let weighted = Curve::new(1, points(), Some(vec![int(2), q(1, 3)]), None).unwrap();
+    for curve in [bezier(points()), weighted] {
+        replays(&curve, &CurvatureOptions::new());
+    }
+}
+
 /// Every certificate with a line or field changed is none, is rejected, or proves what is true.
 #[test]
 fn mutants_prove_nothing_false() {

@@ -30,6 +30,8 @@ use std::collections::BTreeMap;
 const DEEPEST: u32 = 60;
 /// A crowd: connected open cells of one round, as many as these.
 const CROWD: usize = 512;
+/// With more open cells than this, and 64 a span, the search ends.
+const MOST: usize = 8192;
 
 /// One stationary pair: it lies in `inner`, and is the only one in `outer`. Positions: segment + local parameter; beyond the
 /// ends of an open spine too, where the box need not hold a pair of the spine.
@@ -518,6 +520,11 @@ impl Search<'_, '_> {
     fn without_crowds(&mut self, pairs: Vec<Pair>, size: f64) -> Vec<Pair> {
         if size > 0.2 || pairs.len() <= CROWD {
             return pairs;
+        }
+        // so many that no group is looked for: beyond what f64 resolves
+        if pairs.len() > MOST + 64 * self.tree.frame.segments.len() {
+            self.leave(&pairs);
+            return vec![];
         }
         let places = |pair: &Pair| [pair.i, pair.j].map(|id| [self.tree.node(id).start, self.tree.node(id).end]);
         let (crowds, few): (Vec<_>, Vec<_>) =
