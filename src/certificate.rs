@@ -10,7 +10,7 @@ mod text;
 use crate::number::Rational;
 pub(crate) use curvature::Course;
 pub(crate) use pairs::Evidence as PairsEvidence;
-#[cfg(feature = "search")]
+#[allow(unused_imports, reason = "for those who write certificates, if they are built")]
 pub(crate) use pairs::Isolated;
 pub(crate) use squares::{
     Disk as SquaresDisk, Evidence as SquaresEvidence, Factor as SquaresFactor, Segment as SquaresSegment,
