@@ -12,7 +12,7 @@ use super::fast;
 use super::power::{derivative, of_factors};
 use super::real::{RealRoot, one_side};
 use crate::error::Error;
-use crate::integer::{Int, decompose, ldexp};
+use crate::integer::{Int, decompose};
 use crate::number::{Rational, compare};
 
 /// A complex root of a polynomial, enclosed: the polynomial has exactly one root in the closed disk, of this
@@ -152,6 +152,10 @@ impl Gauss {
 
     fn minus(&self, other: &Self) -> Self {
         Self { re: &self.re - &other.re, im: &self.im - &other.im }
+    }
+
+    fn bits(&self) -> u64 {
+        self.re.bits().max(self.im.bits())
     }
 
     fn norm(&self) -> BigInt {
@@ -312,37 +316,45 @@ fn symmetric(mut places: Vec<Gauss>, real: usize) -> Option<Vec<Gauss>> {
     (above == half && places.len() == real + half).then_some(places)
 }
 
-/// Aberth's iteration, until no step is above 2^`goal` or it no longer helps.
+/// Aberth's iteration, until no step is above 2^`goal`, or each place rests: once its value is all rounding, these digits
+/// cannot better it.
 fn aberth(p: &[Fixed], z: &mut [Fixed], goal: i64) {
+    let last = &p[p.len() - 1];
+    let zero = last.minus(last);
+    // each step of Horner's rule is off by four units or fewer
+    let rounding = (4 * p.len()).ilog2() as u64 + 1;
+    let mut open: Vec<usize> = (0..z.len()).collect();
     for _ in 0..200 {
-        let mut largest = i64::MIN;
-        for i in 0..z.len() {
-            let last = &p[p.len() - 1];
-            let (mut value, mut slope) = (last.clone(), last.minus(last));
+        open.retain(|&i| {
+            let (mut value, mut slope) = (last.clone(), zero.clone());
             for c in p.iter().rev().skip(1) {
                 slope = slope.times(&z[i]).plus(&value);
                 value = value.times(&z[i]).plus(c);
             }
-            let one = z[i].one();
+            if value.z.bits() <= rounding {
+                return false;
+            }
             let newton = value.over(&slope);
-            let others = (0..z.len()).filter(|&j| j != i);
-            let pull = others.map(|j| one.over(&z[i].minus(&z[j]))).reduce(|a, b| a.plus(&b));
-            let step = pull.map_or(newton.clone(), |pull| newton.over(&one.minus(&newton.times(&pull))));
-            largest = largest.max(step.exponent());
+            // the others only turn the step of Newton's method
+            let pull = (0..z.len()).filter(|&j| j != i).map(|j| z[i].minus(&z[j]).near().inverse());
+            let x = newton.near().times(pull.fold(fast::Complex::ZERO, fast::Complex::plus));
+            let turn = x.times(fast::Complex { re: 1.0 - x.re, im: -x.im }.inverse());
+            let step = newton.plus(&newton.times(&fixed(&turn, 0, newton.bits)));
             z[i] = z[i].minus(&step);
-        }
-        if largest <= goal {
+            step.exponent() > goal
+        });
+        if open.is_empty() {
             return;
         }
     }
 }
 
-/// z 2^exponent, for parts below 2^60.
+/// z 2^exponent; 0 for what is not finite.
 fn fixed(z: &fast::Complex, exponent: i64, bits: u64) -> Fixed {
-    let shift = bits as i64 + exponent - 60;
     let part = |x: f64| {
-        let x = BigInt::from(ldexp(x, 60) as i128);
-        if shift < 0 { x >> shift.unsigned_abs() } else { x << shift.unsigned_abs() }
+        let (m, e) = if x.is_finite() { decompose(x) } else { (0, 0) };
+        let shift = bits as i64 + exponent + e;
+        if shift < 0 { BigInt::from(m) >> shift.unsigned_abs() } else { BigInt::from(m) << shift.unsigned_abs() }
     };
     Fixed { z: Gauss { re: part(z.re), im: part(z.im) }, bits }
 }
@@ -377,12 +389,14 @@ impl Fixed {
         Self { z: self.z.shifted(self.bits).over(&other.z), bits: self.bits }
     }
 
-    fn one(&self) -> Self {
-        Self { z: Gauss { re: BigInt::one() << self.bits, im: BigInt::zero() }, bits: self.bits }
+    /// In f64; 0 for what is too small.
+    fn near(&self) -> fast::Complex {
+        let part = |x: &BigInt| Int::from(x.clone()).to_f64_shifted(self.bits as i64);
+        fast::Complex { re: part(&self.z.re), im: part(&self.z.im) }
     }
 
     /// About log2 of the size.
     fn exponent(&self) -> i64 {
-        self.z.re.bits().max(self.z.im.bits()) as i64 - self.bits as i64
+        self.z.bits() as i64 - self.bits as i64
     }
 }

@@ -19,8 +19,14 @@ pub(super) struct Complex {
 }
 
 impl Complex {
+    pub(super) const ZERO: Self = Self { re: 0.0, im: 0.0 };
+
     fn size(self) -> f64 {
         (self.re * self.re + self.im * self.im).sqrt()
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
     }
 
     fn minus(self, other: Self) -> Self {
@@ -32,9 +38,9 @@ impl Complex {
     }
 
     /// 0 for the inverse of 0, or nearly.
-    fn inverse(self) -> Self {
+    pub(super) fn inverse(self) -> Self {
         let norm = self.re * self.re + self.im * self.im;
-        if norm < 1e-300 { Self { re: 0.0, im: 0.0 } } else { Self { re: self.re / norm, im: -self.im / norm } }
+        if norm < 1e-300 { Self::ZERO } else { Self { re: self.re / norm, im: -self.im / norm } }
     }
 }
 
@@ -72,7 +78,7 @@ pub(super) fn roots(p: &[Int]) -> Found {
 
 /// p(z) by Horner's rule, and a bound of its error, if the coefficients are off by at most two units of rounding.
 fn value(p: &[f64], z: Complex, size: f64) -> (Complex, f64) {
-    let (mut value, mut sum) = (Complex { re: 0.0, im: 0.0 }, 0.0);
+    let (mut value, mut sum) = (Complex::ZERO, 0.0);
     for c in p.iter().rev() {
         value = value.times(z);
         value.re += c;
@@ -90,16 +96,13 @@ fn aberth(p: &[f64], z: &mut [Complex]) {
             let here = z[i];
             let size = here.size();
             let (value, error) = value(p, here, size);
-            let rate = slope.iter().rev().fold(Complex { re: 0.0, im: 0.0 }, |sum, c| {
+            let rate = slope.iter().rev().fold(Complex::ZERO, |sum, c| {
                 let next = sum.times(here);
                 Complex { re: next.re + c, ..next }
             });
             let newton = value.times(rate.inverse());
-            let mut pull = Complex { re: 0.0, im: 0.0 };
-            for (_, other) in z.iter().enumerate().filter(|(j, _)| *j != i) {
-                let inverse = here.minus(*other).inverse();
-                pull = Complex { re: pull.re + inverse.re, im: pull.im + inverse.im };
-            }
+            let others = z.iter().enumerate().filter(|(j, _)| *j != i);
+            let pull = others.map(|(_, other)| here.minus(*other).inverse()).fold(Complex::ZERO, Complex::plus);
             let pulled = newton.times(pull);
             let step = newton.times(Complex { re: 1.0 - pulled.re, im: -pulled.im }.inverse());
             z[i] = here.minus(step);
