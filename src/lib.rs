@@ -52,4 +52,4 @@ pub use search::meter::Stop;
 #[cfg(feature = "search")]
 pub use spine::Spine;
 #[cfg(feature = "search")]
-pub use squares::{Decomposition, SegmentSquares, SquareRoot, Squares, SquaresOptions, squares};
+pub use squares::{Axis, Decomposition, SegmentSquares, SquareRoot, Squares, SquaresOptions, squares};

@@ -132,7 +132,13 @@ impl<'a> Answer<'a> {
             None => self.parameters(&ranges[k]),
         };
         let (a, b) = (parameters(0), parameters(1));
-        let (s, t) = if a.lo >= b.lo { (a, b) } else { (b, a) };
+        // s > t whatever the two are: ranges of which one holds the other are listed as one
+        let both = Enclosure { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };
+        let (s, t) = match (a.lo >= b.lo, a.hi >= b.hi) {
+            (true, true) => (a, b),
+            _ if b.lo >= a.lo && b.hi >= a.hi => (b, a),
+            _ => (both, both),
+        };
         let scale = i32::try_from(-self.frame.scale).unwrap_or(if self.frame.scale > 0 { i32::MIN } else { i32::MAX });
         let distance = distance.scale2(scale);
         StationaryPair { s, t, distance: Enclosure { lo: distance.lo().max(0.0), hi: distance.hi() } }

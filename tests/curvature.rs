@@ -632,8 +632,55 @@ fn claims_that_say_more_are_rejected() {
     assert!(!proved(&|c| c.points[1].kappa[1] = c.points[1].kappa[0].clone()));
     assert!(!proved(&|c| c.at = [Some(int(0)), Some(q(1, 2))]));
     assert!(!proved(&|c| c.kappa_max[0] = Some(Rational::new_raw((-1).into(), (-1).into()))));
+    // the same twice
+    assert!(!proved(&|c| c.points.insert(0, c.points[0].clone())));
     assert!(proved(&|c| c.points[0].unique = false));
     assert!(proved(&|c| c.kappa_max = [Some(int(0)), None]));
+}
+
+#[test]
+fn an_inflection_is_no_minimum_and_has_no_other_curvature() {
+    let curve = graph(&[0, 0, 0, 1], int(-1), int(2));
+    let certificate = answer_to(&curve, &CurvatureOptions::new().certificate(true)).certificate.unwrap();
+    let proved = |change: &dyn Fn(&mut CriticalPoints)| {
+        let mut points = statement(&certificate, &curve);
+        let k = points.points.iter().position(|point| point.kind == Some(Inflection)).unwrap();
+        points.points.swap(0, k);
+        change(&mut points);
+        points.points.swap(0, k);
+        verify(&Claim { curve: curve.clone(), statement: Statement::Curvature(points) }, &certificate).is_ok()
+    };
+    assert!(proved(&|_| {}));
+    assert!(!proved(&|c| c.points[0].kind = Some(Minimum)));
+    assert!(!proved(&|c| c.points[0].kappa[0] = None));
+}
+
+/// Where the curvature jumps at the seam, that is a critical point at either end of the domain.
+#[test]
+fn the_seam_stands_at_both_ends() {
+    let curve = periodic(2, &[[0, 0, 0], [4, 0, 0], [5, 3, 0], [1, 4, 0]].map(|p: [i64; 3]| p.map(int)));
+    let certificate = answer_to(&curve, &CurvatureOptions::new().certificate(true)).certificate.unwrap();
+    let finish = curve.domain().1.clone();
+    for (more, sound) in [(q(-1, 1000), true), (int(0), false)] {
+        let mut points = statement(&certificate, &curve);
+        let last = points.points.len() - 1;
+        points.points[last].t[1] = Some(&finish + more);
+        let claim = Claim { curve: curve.clone(), statement: Statement::Curvature(points) };
+        assert_eq!(verify(&claim, &certificate).is_ok(), sound);
+    }
+}
+
+/// Nearly planar: b almost vanishes where it changes its direction, and the cells show it only when they are short.
+#[test]
+fn nearly_an_inflection() {
+    let tiny = |n: i64| int(n) * power(10, -21);
+    let points = [[-2, -5, 5], [4, 1, -1], [-5, 2, -5], [2, 5, 1]];
+    let curve = bezier(points.iter().map(|[x, y, z]| [int(*x), int(*y), tiny(*z)]).collect());
+    for width in [1e-3, 1e-6, 1e-9, 1e-12] {
+        let options = CurvatureOptions::new().rel_width(width);
+        assert!(answer_to(&curve, &options).complete);
+        replays(&curve, &options);
+    }
 }
 
 proptest! {

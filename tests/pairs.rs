@@ -239,6 +239,41 @@ fn claims_that_say_more_are_rejected() {
     }
 }
 
+/// Forged by readers of the checker: one pair twice, a period apart; a box without width, whose derivatives are unbounded; a
+/// point at a corner where the tangent beyond the corner, not that of the box, is at right angles.
+#[test]
+fn forged_certificates_are_rejected() {
+    let closed = r#"{"degree": 3, "control_points": [[0, 0, 0], [4, 0, 1], [5, 3, 0], [1, 4, -1], [0, 0, 0], [4, 0, 1],
+        [5, 3, 0]], "knots": [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10]}"#;
+    let corner = r#"{"degree": 1, "control_points": [[1, -9, 2], [0, 1, 2], [3, 5, 0], [-5, 0, 0], [5, 0, 0]],
+        "knots": [0, 0, 1, 2, 3, 4, 4]}"#;
+    for (curve, name) in
+        [(closed, "closed__pair_twice"), (closed, "closed__box_is_a_point"), (corner, "corner__other_tangent")]
+    {
+        let path = format!("{}/tests/certificates/forged/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+        let certificate = Certificate::decode(&std::fs::read(path).unwrap()).unwrap();
+        let claim = certificate.claim(Curve::from_json_slice(curve.as_bytes()).unwrap());
+        let why = verify(&claim, &certificate).unwrap_err();
+        assert_ne!(why.section, "curve", "{name}: {why}");
+    }
+}
+
+/// (u^3 - 3u, u^2) has its double points u = +-sqrt 3 and F = 0 at (-1, 2): cut off at 2^-k before or behind -1.
+#[test]
+fn a_pair_just_off_the_end() {
+    for k in (20..60).step_by(3) {
+        for (sign, count) in [(1, 1), (-1, 2)] {
+            let x = [int(0), int(-3), int(0), int(1)];
+            let from = int(-1) + int(sign) * power(2, -k);
+            let curve = from_powers([&x, &[int(0), int(0), int(1)], &[]], &from, &int(3));
+            let answer = answer(&curve);
+            let sure = answer.pairs.len();
+            assert!(sure <= count && count <= sure + answer.undecided.len(), "{k} {sign}: {answer:?}");
+            proved(&curve, claimed(&answer), answer.certificate.as_ref().unwrap()).unwrap();
+        }
+    }
+}
+
 /// Every certificate with one field or line changed is none, is rejected, or proves what is true.
 #[test]
 fn mutants_prove_nothing_false() {

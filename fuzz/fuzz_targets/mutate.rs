@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use tubecert::number::{lower_text, parse_rational, upper_text};
-use tubecert::{Certificate, Curve, RadiusOptions, Rational, Spine, radius, Statement, verify};
+use tubecert::{Certificate, Curve, RadiusOptions, Rational, Spine, Statement, radius, verify};
 
 struct Case {
     curve: Curve,

@@ -58,7 +58,8 @@ impl Evidence {
         let mut out = String::new();
         // writing to a String cannot fail
         for Segment { bits, factors, disks, choices, claim } in &self.segments {
-            let _ = writeln!(out, "segment {bits}");
+            let [from, to] = [&claim.from, &claim.to].map(to_fraction_text);
+            let _ = writeln!(out, "segment {from} {to} {bits}");
             for Factor { multiplicity, coefficients } in factors {
                 let _ = writeln!(out, "factor {multiplicity}{}", words(coefficients));
             }
@@ -94,8 +95,8 @@ impl Evidence {
 
 impl Segment {
     fn decode(lines: &mut Lines) -> Result<Self, Error> {
-        let [bits] = lines.fields("segment")?;
-        let bits = small(lines, bits)?;
+        let [from, to, bits] = lines.fields("segment")?;
+        let ([from, to], bits) = (lines.rationals([from, to])?, small(lines, bits)?);
         let (mut factors, mut disks, mut roots) = (vec![], vec![], vec![]);
         while lines.next_is("factor") {
             let fields = lines.after("factor")?;
@@ -128,7 +129,7 @@ impl Segment {
             };
             decompositions.push(TwoSquares { alpha: polynomial("alpha")?, beta: polynomial("beta")? });
         }
-        Ok(Self { bits, factors, disks, choices, claim: Squares { roots, count, decompositions } })
+        Ok(Self { bits, factors, disks, choices, claim: Squares { from, to, roots, count, decompositions } })
     }
 }
 

@@ -8,6 +8,7 @@ use num_traits::{One, Zero};
 use super::arc::{Piece, Spine};
 use super::kappa::{Place, at_least, at_most, equal, straight};
 use super::poly::{Poly, dot};
+use super::range::Range;
 use super::rules::{Why, check, positive};
 use super::{Rejection, wanted};
 use crate::certificate::Course;
@@ -47,11 +48,10 @@ pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &CriticalPoints, cours
     let mut numbers = bounds.flatten().chain(stretches).flatten();
     wanted(numbers.all(|x| x.denom().sign() == Sign::Plus), "point", "a denominator is not positive")?;
     let knots = Spine::knots(curve);
-    wanted(
-        course.cuts.len() == spine.spans.len() && knots.len() > course.cuts.len(),
-        "span",
-        "one line for each span",
-    )?;
+    let lines = course.cuts.len() == spine.spans.len() && knots.len() > course.cuts.len();
+    let mut placed = course.cuts.iter().flatten().chain([&course.witness.1]);
+    let short = placed.all(|t| Range::point(t).is_short());
+    wanted(lines && short, "span", "one line for each span, no cut too long")?;
     let (mut items, mut sides, mut constant) = (vec![], vec![], vec![]);
     for (k, ((piece, cuts), ends)) in spine.spans.iter().zip(&course.cuts).zip(knots.windows(2)).enumerate() {
         let factor = course.factors.iter().find(|(span, _)| *span == k).map(|(_, g)| Poly(g.clone()));
@@ -64,7 +64,9 @@ pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &CriticalPoints, cours
     }
     joints(spine.closed, &knots, sides, &claim.kappa_max, &mut items).map_err(|why| Rejection::of("kappa_max", why))?;
     items.sort_by(|p, q| compare(&p.from, &q.from).then_with(|| compare(&p.to, &q.to)));
-    points(claim, &items).map_err(|why| Rejection::of("point", why))?;
+    let joint = items.first().is_some_and(|item| item.joint && knots.first() == Some(&item.from));
+    let seam = knots.last().filter(|_| spine.closed && joint);
+    points(claim, &items, seam).map_err(|why| Rejection::of("point", why))?;
 
     wanted(claim.constant.len() == constant.len(), "constant", "not as many as spans of constant curvature")?;
     for (stretch, (ends, place)) in claim.constant.iter().zip(&constant) {
@@ -74,8 +76,8 @@ pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &CriticalPoints, cours
         wanted(fine, "constant", "it is not in the span, or the curvature is another")?;
     }
     let (k, t) = &course.witness;
-    let within = [Rational::zero(), Rational::one()];
-    let span = spine.spans.get(*k).zip(knots.get(*k..=*k + 1)).filter(|_| holds(&within.map(Some), [t, t]));
+    let within = [Rational::zero(), Rational::one()].map(Some);
+    let span = spine.spans.get(*k).zip(knots.get(*k..=*k + 1)).filter(|_| holds(&within, [t, t]));
     let high = span.is_some_and(|(piece, ends)| {
         let u = ends.first().zip(ends.last()).map(|(a, b)| a + t * (b - a));
         // the seam is the start as well
@@ -137,9 +139,8 @@ fn span(
         if changes > 0 {
             let signs = [*enter, *leave];
             let opposite = |g: &Poly| g.at(p).times(&g.at(q)).has_sign(Sign::Minus);
-            let inflection = changes == 1 && factor.is_some_and(opposite);
-            let item = Item::new(knot(p), knot(q), signs, vec![Place(cell, None)]);
-            items.push(Item { simple: changes == 1, inflection, ..item });
+            let (simple, inflection) = (changes == 1, changes == 1 && factor.is_some_and(opposite));
+            items.push(Item { simple, inflection, ..Item::new(knot(p), knot(q), signs, vec![Place(cell, None)]) });
         }
         last = Some(*leave);
     }
@@ -193,14 +194,14 @@ fn joints(
     Ok(())
 }
 
-/// Every item is in a point of the claim, and what is said of unique points is true.
-fn points(claim: &CriticalPoints, items: &[Item]) -> Result<(), Why> {
+/// Every item is in a point of the claim, and what is said of unique points is true. The first item may stand at the seam.
+fn points(claim: &CriticalPoints, items: &[Item], seam: Option<&Rational>) -> Result<(), Why> {
     let ends_before = |[_, hi]: &Bounds, x: &Rational| hi.as_ref().is_some_and(|hi| compare(hi, x).is_lt());
     let starts_after = |[lo, _]: &Bounds, x: &Rational| lo.as_ref().is_none_or(|lo| compare(lo, x).is_gt());
-    let ordered = claim.points.iter().zip(claim.points.iter().skip(1)).all(|(p, q)| {
-        let pairs = p.t.iter().zip(&q.t);
-        pairs.fold(true, |all, (p, q)| all && below(p, q))
-    });
+    let mut next = claim.points.iter().zip(claim.points.iter().skip(1));
+    let apart = |p: &Critical, q: &Critical| q.t[0].as_ref().is_some_and(|lo| ends_before(&p.t, lo));
+    let ordered =
+        next.all(|(p, q)| p.t.iter().zip(&q.t).all(|(p, q)| below(p, q)) && (!(p.unique || q.unique) || apart(p, q)));
     check(ordered, "the points are not in order")?;
     for item in items {
         let first = claim.points.partition_point(|point| ends_before(&point.t, &item.from));
@@ -208,30 +209,31 @@ fn points(claim: &CriticalPoints, items: &[Item]) -> Result<(), Why> {
         check(near.any(|point| has(point, item)), "a zero of N, or a joint, is in none")?;
     }
     for point in &claim.points {
-        let ([_, hi], [_, max]) = (&point.kappa, &claim.kappa_max);
-        check(below(hi, max), "the curvature is greater than kappa_max")?;
+        check(below(&point.kappa[1], &claim.kappa_max[1]), "the curvature is greater than kappa_max")?;
         let first = items.partition_point(|item| starts_after(&point.t, &item.to));
         let mut meeting = items.iter().skip(first).take_while(|item| !ends_before(&point.t, &item.from));
-        let one = meeting.next().is_some_and(|item| item.simple && has(point, item) && is(point.kind, item));
-        check(!point.unique || (one && meeting.next().is_none()), "it is not the only one, or of another kind")?;
+        let one = meeting.next().is_some_and(|item| item.simple && has(point, item) && is(point, item))
+            && meeting.next().is_none()
+            && seam.is_none_or(|end| ends_before(&point.t, end));
+        check(one || !point.unique, "it is not the only one, or of another kind")?;
     }
     Ok(())
 }
 
 /// Whether a point is where an item is, with its curvature.
 fn has(point: &Critical, item: &Item) -> bool {
-    let zero = point.kappa.iter().flatten().all(Zero::is_zero);
-    let inside = || item.places.iter().all(|place| at_most(place, &point.kappa));
-    let kappa =
-        (item.inflection && zero) || (inside() && item.places.iter().any(|place| at_least(place, &point.kappa)));
-    holds(&point.t, [&item.from, &item.to]) && kappa && (!item.jumps || point.kind == Some(CriticalKind::Joint))
+    let zero = point.kappa.iter().all(|bound| bound.as_ref().is_some_and(Zero::is_zero));
+    let (low, high) = (|p: &Place| at_least(p, &point.kappa), |p: &Place| at_most(p, &point.kappa));
+    let kappa = (item.inflection && zero) || (item.places.iter().all(high) && item.places.iter().any(low));
+    kappa && holds(&point.t, [&item.from, &item.to]) && (!item.jumps || point.kind == Some(CriticalKind::Joint))
 }
 
-fn is(kind: Option<CriticalKind>, item: &Item) -> bool {
+fn is(point: &Critical, item: &Item) -> bool {
     let [before, after] = item.signs;
-    match kind {
+    let bent = || matches!(&point.kappa, [Some(lo), _] if lo.numer().sign() == Sign::Plus);
+    match point.kind {
         Some(CriticalKind::Maximum) => !item.jumps && before != Sign::Minus && after != Sign::Plus,
-        Some(CriticalKind::Minimum) => !item.jumps && before != Sign::Plus && after != Sign::Minus,
+        Some(CriticalKind::Minimum) => !item.jumps && bent() && before != Sign::Plus && after != Sign::Minus,
         Some(CriticalKind::Inflection) => item.inflection || item.places.iter().all(straight),
         Some(CriticalKind::Joint) => item.joint,
         None => true,

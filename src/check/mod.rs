@@ -63,7 +63,9 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
         (Statement::Curvature(points), Evidence::Curvature(course)) => {
             curvature::verify(&claim.curve, &spine, points, course)?;
         }
-        (Statement::Squares(claimed), Evidence::Squares(found)) => squares::verify(&spine, claimed, &found.segments)?,
+        (Statement::Squares(claimed), Evidence::Squares(found)) => {
+            squares::verify(&claim.curve, &spine, claimed, &found.segments)?;
+        }
         _ => return Err(Rejection::of("claim", "the certificate is for another kind of claim")),
     }
     Ok(Verified { claim: claim.clone(), closed: spine.closed, leaves: certificate.leaves() })

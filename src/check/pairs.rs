@@ -13,7 +13,7 @@ use super::poly::{Poly, dot, paired};
 use super::range::Range;
 use super::rules::{Why, check, side};
 use super::upper::place;
-use super::{Rejection, walk};
+use super::{Rejection, walk, wanted};
 use crate::certificate::{Node, PairsEvidence};
 use crate::claim::{PairBox, Pairs};
 use crate::curve::Curve;
@@ -24,12 +24,11 @@ type Square = [Range; 2];
 /// Whether the evidence proves what is claimed.
 pub(super) fn verify(spine: &Spine, curve: &Curve, claim: &Pairs, evidence: &PairsEvidence) -> Result<(), Rejection> {
     let wrong = |number, why| Rejection::of("claim", why).at(number, &"pair");
-    let numbers = |c: &PairBox| {
+    let of_box = |c: &'_ PairBox| {
         c.s.iter().chain(&c.t).chain([&c.distance.0]).chain(&c.distance.1).all(|x| x.denom().is_positive())
     };
-    if !claim.pairs.iter().chain(&claim.undecided).all(numbers) {
-        return Err(wrong(0, "a number has no positive denominator"));
-    }
+    let numbers = claim.pairs.iter().chain(&claim.undecided).all(of_box);
+    wanted(numbers, "claim", "a number has no positive denominator")?;
     walk::along(spine, &Rational::zero(), &evidence.along)?;
     let line = Line::of(spine, curve);
     let (mut boxes, mut on_spine) = (vec![], vec![]);
@@ -49,12 +48,12 @@ pub(super) fn verify(spine: &Spine, curve: &Curve, claim: &Pairs, evidence: &Pai
         let told = check(distinct, "two boxes may hold the same pair").and_then(|()| {
             check(fits, "the place claimed is not around the pair, or not in the box where it is alone")
         });
-        let touching = |why| if is_zero(claimed) { touches(&line, inner) } else { Err(why) };
+        let (lo, hi) = &claimed.distance;
+        let zero = !lo.is_positive() && hi.as_ref().is_some_and(Zero::is_zero);
+        let touching = |why| if zero { touches(&line, inner) } else { Err(why) };
         told.and_then(|()| line.distance(inner, claimed).or_else(touching)).map_err(|why| wrong(number + 1, why))?;
     }
-    if on_spine.len() != claim.pairs.len() {
-        return Err(wrong(on_spine.len(), "the pairs claimed are not as many as those proved"));
-    }
+    wanted(on_spine.len() == claim.pairs.len(), "claim", "the pairs claimed are not as many as those proved")?;
     let undecided: Vec<_> = claim.undecided.iter().map(|claimed| (line.square(claimed), claimed)).collect();
     walk::pairs(spine, "tree", &evidence.tree, |node, a, b| {
         let cell = [positions(a).ok_or("the arc is empty")?, positions(b).ok_or("the arc is empty")?];
@@ -101,9 +100,12 @@ impl<'a> Line<'a> {
 
     /// Whether something is true of the ranges of two squares, the second one swapped or not and moved by whole turns or not.
     fn some(&self, [s, t]: &Square, [u, v]: &Square, is: fn(&Range, &Range) -> bool) -> bool {
-        let turns = if self.spine.closed { [0, 1, -1].as_slice() } else { &[0] };
-        let turn = |turn: &i64| Range::point(&(&self.count * BigInt::from(*turn)));
-        let of = |a: &Range, b: &Range| turns.iter().any(|k| is(a, &(b + &turn(k))));
+        let of = |a: &Range, b: &Range| {
+            // the last turn after which b does not start after a, and the next: no other can make the two meet
+            let turn = if self.spine.closed { ((&a.lo - &b.lo) / &self.count).floor() } else { Rational::zero() };
+            let moved = |turn: &Rational| b + &Range::point(&(&self.count * turn));
+            is(a, &moved(&turn)) || (self.spine.closed && is(a, &moved(&(&turn + BigInt::one()))))
+        };
         (of(s, u) && of(t, v)) || (of(s, v) && of(t, u))
     }
 
@@ -124,12 +126,18 @@ impl<'a> Line<'a> {
         around.map_or(turn.clone(), |(from, to)| (local - from) / (to - from)) + BigInt::from(span) + turn * &self.count
     }
 
-    /// Whether a square is on the spine; if not it must be beyond an end.
+    /// A joint with two tangents.
+    fn is_corner(&self, position: &Rational) -> bool {
+        let k = position.to_integer().mod_floor(self.count.numer()).to_usize().unwrap_or_default();
+        position.is_integer() && k > 0 && !self.spine.is_smooth(k)
+    }
+
+    /// Whether a square is on the spine; if not it must be beyond an end. The pair is strictly inside, or all of it.
     fn holds(&self, square: &Square) -> Result<bool, Why> {
         let whole = Range { lo: Rational::zero(), hi: self.count.clone() };
         let on = self.spine.closed || square.iter().all(|range| range.is_inside(&whole));
-        let beyond = || square.iter().any(|range| !range.meets(&whole));
-        check(on || beyond(), "the pair may be on the spine or beyond its end").map(|()| on)
+        let beyond = |range: &Range| !range.hi.is_positive() || compare(&range.lo, &self.count).is_ge();
+        check(on || square.iter().any(beyond), "the pair may be on the spine or beyond its end").map(|()| on)
     }
 
     fn parts(&self, range: &Range) -> Result<Vec<Part>, Why> {
@@ -189,14 +197,9 @@ fn ratio(num: &Poly, den: &Poly) -> Result<Rational, Why> {
     }
 }
 
-/// Whether the distance 0 is claimed.
-fn is_zero(claimed: &PairBox) -> bool {
-    let (lo, hi) = &claimed.distance;
-    !lo.is_positive() && hi.as_ref().is_some_and(Zero::is_zero)
-}
-
 /// Two forms on a square, given those of two pieces with the factors that make them continuous.
 fn field(line: &Line, [s, t]: &Square, forms: impl Fn(&Part, &Part) -> [Net; 2]) -> Result<Field, Why> {
+    check(!s.is_point() && !t.is_point(), "a side of a box is a point")?;
     let (xs, ys) = (line.parts(s)?, line.parts(t)?);
     let all = xs.iter().flat_map(|x| ys.iter().map(move |y| (x, y)));
     let length = |parts: &[Part]| Range::point(&parts.iter().map(|part| &part.size.lo).sum());
@@ -229,6 +232,7 @@ fn touches(line: &Line, square: &Square) -> Result<(), Why> {
 
 /// F has one zero in the inner square, no other in the outer one, and s is never t there.
 fn alone(line: &Line, [outer, inner]: &[Square; 2]) -> Result<(), Why> {
+    check(outer.iter().chain(inner).all(Range::is_short), "a position is too long")?;
     let [s, t] = outer;
     let (low, high) = if compare(&s.lo, &t.lo).is_lt() { (s, t) } else { (t, s) };
     let around = &low.lo + &line.count;
@@ -237,6 +241,7 @@ fn alone(line: &Line, [outer, inner]: &[Square; 2]) -> Result<(), Why> {
     check(inner[0].is_inside(s) && inner[1].is_inside(t), "a pair is not in its box")?;
     check(field(line, outer, tilts)?.once(), "the box may hold several pairs")?;
     if inner.iter().all(Range::is_point) {
+        check(!inner.iter().any(|at| line.is_corner(&at.lo)), "the pair is at a corner")?;
         let (p, q) = (place(line.spine, &inner[0].lo)?, place(line.spine, &inner[1].lo)?);
         let d = p.away_from(&q);
         return check(dot(&d, p.a()).is_zero() && dot(&d, q.a()).is_zero(), "the pair is not stationary");

@@ -6,6 +6,9 @@ use num_traits::{Signed, Zero};
 
 use crate::number::{Rational, compare};
 
+/// The bits of what a certificate puts into polynomials, where its powers stand.
+const MAX_BITS: u64 = 1024;
+
 /// All numbers from `lo` to `hi`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Range {
@@ -38,6 +41,10 @@ impl Range {
 
     pub(super) fn is_point(&self) -> bool {
         compare(&self.lo, &self.hi).is_eq()
+    }
+
+    pub(super) fn is_short(&self) -> bool {
+        [&self.lo, &self.hi].iter().all(|x| x.numer().bits().max(x.denom().bits()) <= MAX_BITS)
     }
 
     pub(super) fn is_positive(&self) -> bool {

@@ -12,16 +12,20 @@ use super::rules::{Why, check};
 use super::{Rejection, wanted};
 use crate::certificate::{SquaresDisk, SquaresFactor, SquaresSegment};
 use crate::claim::{RootBox, Squares, TwoSquares};
+use crate::curve::Curve;
 use crate::number::Rational;
 
 /// Disks are no finer than 2^-MAX_BITS.
 const MAX_BITS: u32 = 1 << 14;
 
 /// Whether the evidence proves the claim, segment by segment.
-pub(super) fn verify(spine: &Spine, claim: &[Squares], evidence: &[SquaresSegment]) -> Result<(), Rejection> {
-    let spans = spine.spans.len();
-    wanted(claim.len() == spans && evidence.len() == spans, "segment", "there must be one for each span")?;
-    for (number, (span, (claimed, found))) in spine.spans.iter().zip(claim.iter().zip(evidence)).enumerate() {
+pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &[Squares], of: &[SquaresSegment]) -> Result<(), Rejection> {
+    let (spans, knots) = (spine.spans.len(), Spine::knots(curve));
+    wanted(claim.len() == spans && of.len() == spans, "segment", "there must be one for each span")?;
+    for (number, (span, (claimed, found))) in spine.spans.iter().zip(claim.iter().zip(of)).enumerate() {
+        let place = [claimed.from.clone(), claimed.to.clone()];
+        let numbers = place.iter().all(|x| x.denom().is_positive());
+        wanted(numbers && knots.get(number..number + 2) == Some(&place), "segment", "it is not where the claim says")?;
         segment(span, claimed, found).map_err(|why| Rejection::of("segment", why).at(number + 1, &"segment"))?;
     }
     Ok(())
@@ -51,6 +55,7 @@ fn segment(span: &Piece, claim: &Squares, found: &SquaresSegment) -> Result<(), 
     let (f, lead) = speed_squared(span)?;
     check(product(&found.factors, f.len()).is_some_and(|p| proportional(&p, &f)), "the factors do not make up f")?;
 
+    check(found.disks.len() < f.len(), "there are more disks than roots")?;
     // every root, in the order of the claim: of a pair the upper one, then its conjugate
     let mut roots: Vec<Root> = vec![];
     for disk in &found.disks {

@@ -6,6 +6,10 @@ use crate::number::Rational;
 /// speed squared, a rational one |r' w - r w'|^2.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Squares {
+    /// Where the segment starts, in the curve's knots.
+    pub from: Rational,
+    /// Where it ends.
+    pub to: Rational,
     /// All complex roots of f, each once.
     pub roots: Vec<RootBox>,
     /// How many decompositions f = alpha^2 + beta^2 there are, up to rotation and the sign of beta.

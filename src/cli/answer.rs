@@ -37,6 +37,9 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
     if string(root, "curve.digest")? != Some(curve.digest()) {
         return Err(wrong("curve.digest", "the answer is about another curve"));
     }
+    if string(root, "unit")?.as_deref() != curve.unit() {
+        return Err(wrong("unit", "the curve has another unit"));
+    }
     if member(root, "schema")? != "1" {
         return Err(wrong("schema", "this version reads answers of schema 1"));
     }
@@ -116,13 +119,30 @@ fn squares(root: &RawValue) -> Result<Statement, Wrong> {
     let two =
         |item: &RawValue| Ok(TwoSquares { alpha: coefficients(item, "alpha")?, beta: coefficients(item, "beta")? });
     let segment = |item: &RawValue| {
+        let end = |key: &str| {
+            let text = member(item, key)?;
+            let text = serde_json::from_str::<String>(text).unwrap_or_else(|_| text.to_string());
+            parse_rational(&text).map_err(|error| wrong(key, error.message))
+        };
         Ok(Squares {
+            from: end("from")?,
+            to: end("to")?,
             roots: items(item, "roots")?.into_iter().map(one).collect::<Result<_, Wrong>>()?,
             count: whole(item, "count")?,
             decompositions: items(item, "decompositions")?.into_iter().map(two).collect::<Result<_, Wrong>>()?,
         })
     };
-    let segments = items(root, "segments")?.into_iter().map(segment).collect::<Result<_, Wrong>>()?;
+    let segments = items(root, "segments")?;
+    let unknown = |item: &&RawValue| {
+        let twists = items(item, "decompositions")?.into_iter().map(|two| items(two, "twist"));
+        let twists = twists.collect::<Result<Vec<_>, Wrong>>()?;
+        twists.into_iter().flatten().try_fold(false, |any, twist| Ok(any || bound(twist, "hi")?.is_none()))
+    };
+    let unknown = segments.iter().try_fold(false, |any, item| Ok(any || unknown(item)?))?;
+    if member(root, "complete")? == "true" && unknown {
+        return Err(wrong("complete", "it is true, but a twist is unknown"));
+    }
+    let segments = segments.into_iter().map(segment).collect::<Result<_, Wrong>>()?;
     Ok(Statement::Squares(segments))
 }
 

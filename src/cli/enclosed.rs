@@ -74,6 +74,19 @@ pub fn nearest(x: f64, places: i32) -> String {
     text
 }
 
+/// The middle to so many digits; with fewer, and how far off it may be, where the enclosure is wider.
+pub fn near(e: &Enclosure, digits: i32) -> String {
+    let middle = e.lo.midpoint(e.hi);
+    let half = (e.hi - middle).max(middle - e.lo).next_up();
+    let (shown, proved) = (digits - 1 - floor_log10(middle.abs()), -1 - floor_log10(half));
+    if e.lo == e.hi || proved >= shown {
+        return nearest(middle, shown);
+    }
+    // half a unit of the last place more
+    let off = half + 0.51 * 10_f64.powi(-proved);
+    format!("{} +- {:.1e}", nearest(middle, proved), off * 1.06)
+}
+
 /// `count` 10^-places, with every digit of `count`.
 fn decimal(count: &BigInt, places: i32) -> String {
     let (sign, digits) = (if count.is_negative() { "-" } else { "" }, count.magnitude().to_string());

@@ -4,9 +4,10 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use tubecert::{Certificate, Claim, Curve, Error, ErrorKind, Spine, Statement, Stop, verify};
+use tubecert::{Certificate, Claim, Curve, Error, ErrorKind, Spine, Statement, Stop};
 
 use super::args::Common;
+use super::verify::{Verdict, within};
 use super::{Failure, NO_CLAIM, read};
 
 /// The work that one command was started for.
@@ -58,7 +59,8 @@ impl<'a> Job<'a> {
     pub fn certify(&self, certificate: Option<&Certificate>, statement: Statement) -> Result<(), Box<Failure>> {
         let Some(path) = &self.args.certificate else { return Ok(()) };
         let claim = Claim { curve: self.spine.curve().clone(), statement };
-        replayed(certificate, &claim).and_then(|text| written(path, &text)).map_err(|message| {
+        let limit = self.args.budget.map(|_| self.budget());
+        replayed(certificate, &claim, limit).and_then(|text| written(path, &text)).map_err(|message| {
             let width = format!("raise --rel-width (now {:e}), wider bounds need less", self.args.rel_width);
             let help = Some(format!("nothing is claimed: {width}; or run without --certificate"));
             let file = Some(path.display().to_string());
@@ -77,11 +79,16 @@ impl<'a> Job<'a> {
 }
 
 /// The text of the certificate, if it proves the claim.
-fn replayed(certificate: Option<&Certificate>, claim: &Claim) -> Result<String, String> {
-    let text = certificate.ok_or("the evidence is too long to be written")?.encode();
+fn replayed(certificate: Option<&Certificate>, claim: &Claim, limit: Option<Duration>) -> Result<String, String> {
+    let text = certificate
+        .ok_or("no evidence was written: it is too long, or part of the answer is not told narrowly enough, or --budget ended")?
+        .encode();
     let certificate = Certificate::decode(text.as_bytes()).map_err(|error| error.to_string())?;
-    let verdict = verify(claim, &certificate);
-    verdict.map(|_| text).map_err(|rejection| format!("the checker rejects the answer: {rejection}"))
+    match within(limit, claim, certificate) {
+        Verdict::Verified(_) => Ok(text),
+        Verdict::Rejected(rejection) => Err(format!("the checker rejects the answer: {rejection}")),
+        Verdict::Undecided(_) => Err("checking the certificate takes longer than --budget".to_string()),
+    }
 }
 
 fn written(path: &Path, text: &str) -> Result<(), String> {

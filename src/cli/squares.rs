@@ -3,9 +3,10 @@
 use serde_json::value::RawValue;
 use tubecert::claim::{self, RootBox, TwoSquares};
 use tubecert::number::{exact_text, lower_text, parse_rational, upper_text};
-use tubecert::{Enclosure, Rational, SegmentSquares, Squares, SquaresOptions, Statement};
+use tubecert::{Axis, Enclosure, Rational, SegmentSquares, Squares, SquaresOptions, Statement};
 
 use super::args::SquaresArgs;
+use super::enclosed::near;
 use super::job::Job;
 use super::json::{self, E, rational};
 use super::text::unit;
@@ -38,7 +39,8 @@ fn claimed(segment: &SegmentSquares) -> claim::Squares {
     let roots = roots.map(|root| RootBox { re: range(&root.re), im: range(&root.im), multiplicity: root.multiplicity });
     let decompositions = segment.decompositions.iter();
     let decompositions = decompositions.map(|two| TwoSquares { alpha: all(&two.alpha), beta: all(&two.beta) });
-    claim::Squares { roots: roots.collect(), count: segment.count, decompositions: decompositions.collect() }
+    let (from, to) = (segment.from.clone(), segment.to.clone());
+    claim::Squares { from, to, roots: roots.collect(), count: segment.count, decompositions: decompositions.collect() }
 }
 
 #[derive(serde::Serialize)]
@@ -54,7 +56,15 @@ struct SegmentData {
     roots: Vec<RootData>,
     count: Box<RawValue>,
     decompositions: Vec<DecompositionData>,
-    axis: Option<[i64; 3]>,
+    axes: Vec<AxisData>,
+}
+
+/// On this part of the segment's parameter twists are about this axis.
+#[derive(serde::Serialize)]
+struct AxisData {
+    from: f64,
+    to: f64,
+    axis: [i64; 3],
 }
 
 #[derive(serde::Serialize)]
@@ -87,7 +97,7 @@ fn as_json(job: &Job, answer: &Squares) -> String {
             roots: roots.collect(),
             count: json::raw(segment.count.to_string()),
             decompositions: decompositions.collect(),
-            axis: segment.axis,
+            axes: segment.axes.iter().map(|&Axis { from, to, axis, .. }| AxisData { from, to, axis }).collect(),
         }
     };
     let segments = answer.segments.iter().map(segment).collect();
@@ -95,8 +105,6 @@ fn as_json(job: &Job, answer: &Squares) -> String {
 }
 
 fn as_text(job: &Job, answer: &Squares) -> String {
-    // rounded to nine digits; the JSON encloses them
-    let near = |e: &Enclosure| format!("{:.9}", e.lo.midpoint(e.hi));
     let mut lines = vec![];
     for (number, segment) in answer.segments.iter().enumerate() {
         let SegmentSquares { roots, count, decompositions, .. } = segment;
@@ -108,20 +116,25 @@ fn as_text(job: &Job, answer: &Squares) -> String {
         };
         let ways = if *count == 1 { "1 way".to_string() } else { format!("{count} ways") };
         lines.push(format!(
-            "segment {number}, t = {from} .. {to}: |C'|^2 = alpha^2 + beta^2 in {ways}{listed}        ({})",
+            "segment {number}, t = {from} .. {to}: {} = alpha^2 + beta^2 in {ways}{listed}        ({})",
+            if job.spine.curve().weights().windows(2).all(|w| w[0] == w[1]) {
+                "|C'|^2"
+            } else {
+                "|C'|^2 w^4, w = 1 at its start,"
+            },
             unit(job.spine.curve())
         ));
         for root in roots {
-            let im = if root.im.hi == 0.0 && root.im.lo == 0.0 { None } else { Some(near(&root.im)) };
+            let im = if root.im.hi == 0.0 && root.im.lo == 0.0 { None } else { Some(near(&root.im, 10)) };
             let im = im.map_or(String::new(), |im| format!("{}{im} i", if im.starts_with('-') { " " } else { " +" }));
             let times = if root.multiplicity == 1 { String::new() } else { format!(", {} times", root.multiplicity) };
-            lines.push(format!("  root {}{im}{times}", near(&root.re)));
+            lines.push(format!("  root {}{im}{times}", near(&root.re, 10)));
         }
         for two in decompositions {
-            let list = |all: &[Enclosure]| all.iter().map(near).collect::<Vec<_>>().join(", ");
+            let list = |all: &[Enclosure]| all.iter().map(|e| near(e, 10)).collect::<Vec<_>>().join(", ");
             lines.push(format!("  alpha = [{}], beta = [{}]", list(&two.alpha), list(&two.beta)));
             let twist = |e: &Enclosure| {
-                if e.hi.is_finite() { format!("{:.4}", e.lo.midpoint(e.hi)) } else { "unknown".to_string() }
+                if e.hi.is_finite() { near(e, 5) } else { "unknown".to_string() }
             };
             lines.push(format!("    twist {} and, with -beta, {}", twist(&two.twist[0]), twist(&two.twist[1])));
         }
@@ -132,7 +145,7 @@ fn as_text(job: &Job, answer: &Squares) -> String {
     if !answer.complete {
         let limit = job.limit(answer.stopped);
         lines.push(format!(
-            "help: what is printed is true all the same, but not all is known or as narrow as asked; {limit}, or no axis serves for the twists"
+            "help: what is printed is true all the same, but not all is known or as narrow as asked; {limit}, or a twist is unknown"
         ));
     }
     lines.join("\n") + "\n"

@@ -47,7 +47,7 @@ pub fn run(args: &VerifyArgs) -> Said {
 }
 
 #[allow(clippy::large_enum_variant, reason = "there is one")]
-enum Verdict {
+pub enum Verdict {
     Verified(Verified),
     Rejected(Rejection),
     /// After so long.
@@ -61,7 +61,7 @@ impl Verdict {
 }
 
 /// The verdict, or none if it takes longer.
-fn within(budget: Option<Duration>, claim: &Claim, certificate: Certificate) -> Verdict {
+pub fn within(budget: Option<Duration>, claim: &Claim, certificate: Certificate) -> Verdict {
     let Some(limit) = budget else { return Verdict::of(verify(claim, &certificate)) };
     let (owned, (sender, receiver)) = (claim.clone(), std::sync::mpsc::channel());
     let replay = std::thread::spawn(move || drop(sender.send(verify(&owned, &certificate))));
@@ -144,6 +144,8 @@ struct StretchData {
 
 #[derive(Serialize)]
 struct SegmentData {
+    from: Option<Bound>,
+    to: Option<Bound>,
     roots: Vec<RootData>,
     count: u128,
     decompositions: Vec<TwoSquaresData>,
@@ -209,6 +211,8 @@ impl StatementData {
                     beta: two.beta.iter().map(both).collect(),
                 };
                 let segments = claimed.iter().map(|segment| SegmentData {
+                    from: bound(Some(&segment.from)),
+                    to: bound(Some(&segment.to)),
                     roots: segment.roots.iter().map(root).collect(),
                     count: segment.count,
                     decompositions: segment.decompositions.iter().map(two).collect(),
@@ -269,19 +273,19 @@ fn claimed(claim: &Claim) -> String {
         Statement::Curvature(CriticalPoints { kappa_max: [lo, hi], points, .. }) => {
             let alone = points.iter().filter(|point| point.unique).count();
             format!(
-                "kappa_max = {} .. {}        (1 / {})\n{} critical points of curvature, {alone} proved to be one simple zero; no other\n",
+                "kappa_max = {} .. {}        (1 / {})\n{alone} critical points of curvature, each a simple zero or one joint; no other but in {} stretches\n",
                 number(lo),
                 number(hi),
                 unit(&claim.curve),
-                points.len()
+                points.len() - alone
             )
         }
         Statement::Squares(segments) => {
             let roots: usize = segments.iter().map(|segment| segment.roots.len()).sum();
             let listed: usize = segments.iter().map(|segment| segment.decompositions.len()).sum();
             format!(
-                "|C'|^2 has exactly {roots} complex roots on {} segments, one in each of the boxes claimed; {listed} decompositions into two squares\n\
-                 the twists are not part of this claim\n",
+                "|C'|^2 has exactly {roots} complex roots on {} segments, each in a box claimed for it; {listed} decompositions into two squares\n\
+                 the twists and their axes are not part of this claim\n",
                 segments.len()
             )
         }

@@ -1,6 +1,6 @@
 //! From an answer to its certificate. Nothing here is trusted: a wrong cut is a rejection.
 
-use super::{Arc, Curvature};
+use super::{Arc, Curvature, Inner};
 use crate::bernstein::{Form, dot};
 use crate::certificate::{Certificate, Course, Evidence};
 use crate::claim::{Bounds, Critical, CriticalPoints, Stretch};
@@ -10,22 +10,26 @@ use crate::options::Enclosure;
 use crate::roots::common_factor;
 use crate::search::critical::{Bend, part};
 use crate::search::dyadic::{Dyadic, step};
+use crate::search::meter::Meter;
 use crate::spine::Spine;
+use num_traits::Signed;
+use std::cmp::Ordering;
 
 /// The most cuts of a span.
 const MAX_CUTS: usize = 2_000;
 
-/// The evidence for the answer as it is printed; `None` if it takes too many cuts.
+/// The evidence for the answer as it is printed; `None` if it takes too many cuts, or the meter runs out.
 pub(super) fn certificate(
     spine: &Spine,
     arcs: &[Arc],
     (span, t): (usize, Dyadic),
     answer: &Curvature,
+    meter: &Meter,
 ) -> Option<Certificate> {
     let (mut cuts, mut factors) = (vec![], vec![]);
     for (k, (segment, arc)) in spine.segments.iter().zip(arcs).enumerate() {
         let bend = Bend::new(&segment.bezier);
-        let mut span = Cuts::new(&bend);
+        let mut span = Cuts::new(&bend, meter);
         span.all(arc)?;
         cuts.push(span.cuts.iter().map(Dyadic::rational).collect());
         if arc.inner.iter().any(|inner| inner.inflection && inner.zero.lo != inner.zero.hi) {
@@ -69,18 +73,23 @@ fn factor(bend: &Bend) -> Vec<num_bigint::BigInt> {
 }
 
 /// The cuts of one span, in order as they are found.
-struct Cuts {
+struct Cuts<'a> {
+    meter: &'a Meter,
     /// N times w^2, as the checker has it.
     form: Form<Int>,
     /// These must be positive on every cell.
     positive: [Form<Int>; 2],
+    /// |a|^6 and |b|^2 w^6 in one degree.
+    curvature: [Form<Int>; 2],
     cuts: Vec<Dyadic>,
 }
 
-impl Cuts {
-    fn new(bend: &Bend) -> Self {
+impl<'a> Cuts<'a> {
+    fn new(bend: &Bend, meter: &'a Meter) -> Self {
         let form = bend.critical().mul(&bend.w).mul(&bend.w);
-        Self { form, positive: [bend.w.clone(), dot(&bend.a, &bend.a)], cuts: vec![] }
+        let (a, w) = (dot(&bend.a, &bend.a), bend.w.sqr().mul(&bend.w));
+        let curvature = [a.sqr().mul(&a), dot(&bend.b, &bend.b).mul(&w.sqr())];
+        Self { meter, form, positive: [bend.w.clone(), a], curvature, cuts: vec![] }
     }
 
     fn all(&mut self, arc: &Arc) -> Option<()> {
@@ -90,11 +99,7 @@ impl Cuts {
             self.gap(&from, lo)?;
             self.push(lo);
             if lo != hi {
-                if inner.zero.simple {
-                    self.around(lo, hi)?;
-                } else {
-                    self.regular(lo, hi)?;
-                }
+                self.around(inner)?;
                 self.push(hi);
             }
             from = hi.clone();
@@ -127,7 +132,7 @@ impl Cuts {
                 self.push(&hi);
                 continue;
             }
-            if self.cuts.len() + open.len() > MAX_CUTS {
+            if self.cuts.len() + open.len() > MAX_CUTS || self.meter.is_late() {
                 return None;
             }
             let middle = lo.add(&hi).mul(&step(1));
@@ -142,13 +147,24 @@ impl Cuts {
         self.until(lo, hi, |cuts, lo, hi| cuts.changes(lo, hi) == 0 && cuts.is_regular(lo, hi))
     }
 
-    /// A stretch of which nothing is said but what its curvature is.
-    fn regular(&mut self, lo: &Dyadic, hi: &Dyadic) -> Option<()> {
-        self.until(lo, hi, Self::is_regular)
-    }
-
-    /// A stretch with one simple zero inside: the cell that holds it has one change of sign.
-    fn around(&mut self, lo: &Dyadic, hi: &Dyadic) -> Option<()> {
-        self.until(lo, hi, |cuts, lo, hi| cuts.changes(lo, hi) <= 1 && cuts.is_regular(lo, hi))
+    /// A stretch with zeros inside, a simple one alone in its cell; the cells that hold them have the curvature told.
+    fn around(&mut self, inner: &Inner) -> Option<()> {
+        let number = |text: String| parse_rational(&text).ok();
+        let told = [number(lower_text(inner.kappa.lo)), number(upper_text(inner.kappa.hi))];
+        // bound^2 |a|^6 - |b|^2 w^6, times a positive number
+        let bounds = told.map(|bound| {
+            let bound = bound.filter(|bound| bound.is_positive())?;
+            let [num, den] = [bound.numer(), bound.denom()].map(|x| Form::from_bernstein(&[Int::from(x.pow(2))]));
+            Some(self.curvature[0].mul(&num).sub(&self.curvature[1].mul(&den)))
+        });
+        let has = |form: &Option<Form<Int>>, lo: &Dyadic, hi: &Dyadic, sign: Ordering| {
+            form.as_ref().is_some_and(|form| part(form, lo, hi).c.iter().any(|c| c.sign() == sign))
+        };
+        let most = if inner.zero.simple { 1 } else { usize::MAX };
+        self.until(&inner.zero.lo, &inner.zero.hi, |cuts, lo, hi| {
+            let changes = cuts.changes(lo, hi);
+            let told = || !has(&bounds[0], lo, hi, Ordering::Greater) && !has(&bounds[1], lo, hi, Ordering::Less);
+            changes <= most && cuts.is_regular(lo, hi) && (changes == 0 || inner.inflection || told())
+        })
     }
 }

@@ -81,7 +81,7 @@ pub fn curvature(spine: &Spine, options: &CurvatureOptions) -> Result<Curvature,
         stopped: meter.stopped,
     };
     if options.certificate {
-        answer.certificate = evidence::certificate(spine, &arcs, list.witness, &answer);
+        answer.certificate = evidence::certificate(spine, &arcs, list.witness, &answer, &meter);
     }
     Ok(answer)
 }
@@ -251,7 +251,7 @@ impl List {
             let kind = match (zero.before, zero.after) {
                 _ if *inflection => Some(CriticalKind::Inflection),
                 (Ordering::Greater, Ordering::Less) if zero.known => Some(CriticalKind::Maximum),
-                (Ordering::Less, Ordering::Greater) if zero.known => Some(CriticalKind::Minimum),
+                (Ordering::Less, Ordering::Greater) if zero.known && kappa.lo > 0.0 => Some(CriticalKind::Minimum),
                 _ => None,
             };
             self.decided &= zero.known;

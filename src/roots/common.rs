@@ -20,7 +20,7 @@ pub(crate) struct Place {
 }
 
 /// Bernstein coefficients on both halves of the interval, each times `2^degree`.
-pub(super) fn halves(p: &[Int]) -> (Vec<Int>, Vec<Int>) {
+pub(crate) fn halves(p: &[Int]) -> (Vec<Int>, Vec<Int>) {
     let n = p.len() - 1;
     let mut row = p.to_vec();
     let (mut left, mut right) = (Vec::with_capacity(n + 1), Vec::with_capacity(n + 1));

@@ -51,11 +51,27 @@ struct Gauss {
 /// assert_eq!(roots.iter().map(|root| root.multiplicity()).collect::<Vec<_>>(), [1, 2, 2]);
 /// ```
 pub fn complex_roots(coefficients: &[Rational]) -> Result<Vec<ComplexRoot>, Error> {
+    complex_roots_while(coefficients, &mut || true).map(Option::unwrap_or_default)
+}
+
+/// The same, given up with `None` once `on` says no: it is asked for every place that moves.
+pub(crate) fn complex_roots_while(
+    coefficients: &[Rational],
+    on: &mut dyn FnMut() -> bool,
+) -> Result<Option<Vec<ComplexRoot>>, Error> {
+    let mut ended = false;
     let at_zero = |factor, multiplicity| {
         let centre = Gauss { re: BigInt::zero(), im: BigInt::zero() };
         ComplexRoot { multiplicity, factor, centre, radius: BigInt::zero(), depth: 0 }
     };
-    let mut roots = of_factors(coefficients, at_zero, isolated)?;
+    let mut roots = of_factors(coefficients, at_zero, |factor, multiplicity| {
+        let found = if ended { None } else { isolated(factor, multiplicity, on) };
+        ended |= found.is_none();
+        found.unwrap_or_default()
+    })?;
+    if ended {
+        return Ok(None);
+    }
     let several = roots.windows(2).any(|pair| !Arc::ptr_eq(&pair[0].factor, &pair[1].factor));
     // those of different factors are different
     while let Some((i, j)) = several.then(|| meeting(&roots)).flatten() {
@@ -71,7 +87,7 @@ pub fn complex_roots(coefficients: &[Rational]) -> Result<Vec<ComplexRoot>, Erro
         let by_place = || x.re.cmp(&y.re).then_with(|| x.im.magnitude().cmp(y.im.magnitude()));
         pair(a).cmp(&pair(b)).then_with(by_place).then_with(|| y.im.cmp(&x.im))
     });
-    Ok(roots)
+    Ok(Some(roots))
 }
 
 impl ComplexRoot {
@@ -208,16 +224,16 @@ fn meeting(roots: &[ComplexRoot]) -> Option<(usize, usize)> {
 }
 
 /// The roots of a square-free factor without the root 0: in f64, or with as many digits as it takes.
-fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize) -> Vec<ComplexRoot> {
+fn isolated(factor: &Arc<Vec<Int>>, multiplicity: usize, on: &mut dyn FnMut() -> bool) -> Option<Vec<ComplexRoot>> {
     let found = fast::roots(factor);
     if let Some(disks) = &found.disks {
         let root = |disk: &fast::Disk| {
             let ([re, im, radius], depth) = common([disk.centre.re, disk.centre.im, disk.radius], found.scale);
             ComplexRoot { multiplicity, factor: factor.clone(), centre: Gauss { re, im }, radius, depth }
         };
-        return disks.iter().flat_map(|disk| with_conjugate(root(disk))).collect();
+        return Some(disks.iter().flat_map(|disk| with_conjugate(root(disk))).collect());
     }
-    isolated_slowly(factor, multiplicity, &found)
+    isolated_slowly(factor, multiplicity, &found, on)
 }
 
 fn with_conjugate(root: ComplexRoot) -> impl Iterator<Item = ComplexRoot> {
@@ -235,11 +251,16 @@ pub(super) fn common(numbers: [f64; 3], scale: i64) -> ([BigInt; 3], u64) {
     (parts.map(shifted), least.unsigned_abs())
 }
 
-fn isolated_slowly(factor: &Arc<Vec<Int>>, multiplicity: usize, near: &fast::Found) -> Vec<ComplexRoot> {
+fn isolated_slowly(
+    factor: &Arc<Vec<Int>>,
+    multiplicity: usize,
+    near: &fast::Found,
+    on: &mut dyn FnMut() -> bool,
+) -> Option<Vec<ComplexRoot>> {
     let real: Vec<RealRoot> = [true, false].iter().flat_map(|negative| one_side(factor, 1, *negative)).collect();
     let (n, slope, scale) = (factor.len() - 1, derivative(factor), near.scale);
     if real.len() == n {
-        return all_real(factor, multiplicity, real);
+        return Some(all_real(factor, multiplicity, real));
     }
     let real = real.len();
     // p(2^scale x), whose roots are in the unit disk
@@ -265,7 +286,7 @@ fn isolated_slowly(factor: &Arc<Vec<Int>>, multiplicity: usize, near: &fast::Fou
             } else {
                 found.iter().map(|x| Fixed { z: x.z.shifted(bits - x.bits), bits }).collect()
             };
-            aberth(&near, &mut found, 8 - bits as i64);
+            aberth(&near, &mut found, 8 - bits as i64, on)?;
         }
         let depth = bits.saturating_add_signed(-scale);
         let place = |x: &Fixed| x.z.shifted((scale.max(0) as u64).saturating_sub(bits));
@@ -281,7 +302,7 @@ fn isolated_slowly(factor: &Arc<Vec<Int>>, multiplicity: usize, near: &fast::Fou
         let Some(upper) = centres.into_iter().map(root).collect::<Option<Vec<_>>>() else { continue };
         let roots: Vec<ComplexRoot> = upper.into_iter().flat_map(with_conjugate).collect();
         if meeting(&roots).is_none() {
-            return roots;
+            return Some(roots);
         }
     }
 }
@@ -317,15 +338,20 @@ fn symmetric(mut places: Vec<Gauss>, real: usize) -> Option<Vec<Gauss>> {
 }
 
 /// Aberth's iteration, until no step is above 2^`goal`, or each place rests: once its value is all rounding, these digits
-/// cannot better it.
-fn aberth(p: &[Fixed], z: &mut [Fixed], goal: i64) {
+/// cannot better it. `None` once `on` says no.
+fn aberth(p: &[Fixed], z: &mut [Fixed], goal: i64, on: &mut dyn FnMut() -> bool) -> Option<()> {
     let last = &p[p.len() - 1];
     let zero = last.minus(last);
     // each step of Horner's rule is off by four units or fewer
     let rounding = (4 * p.len()).ilog2() as u64 + 1;
     let mut open: Vec<usize> = (0..z.len()).collect();
     for _ in 0..200 {
+        let mut ended = false;
         open.retain(|&i| {
+            ended = ended || !on();
+            if ended {
+                return false;
+            }
             let (mut value, mut slope) = (last.clone(), zero.clone());
             for c in p.iter().rev().skip(1) {
                 slope = slope.times(&z[i]).plus(&value);
@@ -343,10 +369,14 @@ fn aberth(p: &[Fixed], z: &mut [Fixed], goal: i64) {
             z[i] = z[i].minus(&step);
             step.exponent() > goal
         });
+        if ended {
+            return None;
+        }
         if open.is_empty() {
-            return;
+            break;
         }
     }
+    Some(())
 }
 
 /// z 2^exponent; 0 for what is not finite.

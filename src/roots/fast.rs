@@ -29,6 +29,12 @@ impl Complex {
         Self { re: self.re + other.re, im: self.im + other.im }
     }
 
+    /// Not below the size, nor much above.
+    fn size_above(self) -> f64 {
+        let size = self.size() * SLACK;
+        if size > NEAR { size } else { self.re.abs() + self.im.abs() }
+    }
+
     fn minus(self, other: Self) -> Self {
         Self { re: self.re - other.re, im: self.im - other.im }
     }
@@ -126,8 +132,8 @@ fn disks(p: &[f64], places: &[Complex]) -> Option<Vec<Disk>> {
         let (value, error) = value(p, centre, size);
         let (rate, spread) = self::value(&slope, centre, size);
         let rate = rate.size() - spread;
-        let radius = n * (value.size() * SLACK + error) / rate * SLACK;
-        (rate > 0.0 && size <= 1.0 && radius.is_finite()).then_some(Disk { centre, radius })
+        let radius = n * (value.size_above() + error) / rate * SLACK;
+        (rate > NEAR && size <= 1.0 && radius.is_finite()).then_some(Disk { centre, radius })
     };
     let (mut real, mut above) = (vec![], vec![]);
     for &place in places {

@@ -6,7 +6,8 @@ mod fast;
 mod power;
 mod real;
 
-pub(crate) use common::{Place, common_factor, common_zero};
+pub(crate) use common::{Place, common_factor, common_zero, halves};
+pub(crate) use complex::complex_roots_while;
 pub use complex::{ComplexRoot, complex_roots};
 pub(crate) use power::to_bernstein;
 pub(crate) use real::roots_inside;

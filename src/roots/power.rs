@@ -111,7 +111,7 @@ fn quotient(p: &[Int], d: &[Int]) -> Vec<Int> {
 pub(super) fn of_factors<R>(
     coefficients: &[Rational],
     at_zero: impl FnOnce(Arc<Vec<Int>>, usize) -> R,
-    isolated: impl Fn(&Arc<Vec<Int>>, usize) -> Vec<R>,
+    mut isolated: impl FnMut(&Arc<Vec<Int>>, usize) -> Vec<R>,
 ) -> Result<Vec<R>, Error> {
     let common = coefficients.iter().fold(BigInt::one(), |all, c| lcm(&all, c.denom()));
     let mut p = trimmed(coefficients.iter().map(|c| Int::from(c.numer() * (&common / c.denom()))).collect());

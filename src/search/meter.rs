@@ -28,6 +28,12 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
+    /// Is it time to end what is no search, such as writing evidence?
+    pub(crate) fn is_late(&self) -> bool {
+        let cancelled = self.cancel.as_ref().is_some_and(|c| c.load(Ordering::Relaxed));
+        cancelled || self.deadline.is_some_and(|d| Instant::now() >= d)
+    }
+
     /// Counts one cell; false when the work must stop.
     pub(crate) fn tick(&mut self) -> bool {
         if self.cells >= self.max_cells {

@@ -20,7 +20,7 @@ use crate::bernstein::{Form, Vec3, dot};
 use crate::certificate::Node;
 use crate::enclosure::Interval;
 use crate::integer::{Int, ldexp};
-use crate::number::Rational;
+use crate::number::{Rational, compare};
 use crate::roots::common_zero;
 use num_bigint::BigInt;
 use num_traits::ToPrimitive;
@@ -448,7 +448,8 @@ impl Search<'_, '_> {
             return Some(root);
         }
         let ends = [Dyadic::ZERO, Dyadic::from(frame.segments.len() as i64)];
-        if root.inner.iter().any(|[from, to]| to.cmp(&ends[0]).is_lt() || from.cmp(&ends[1]).is_gt()) {
+        // strictly inside is the pair
+        if root.inner.iter().any(|[from, to]| to.cmp(&ends[0]).is_le() || from.cmp(&ends[1]).is_ge()) {
             root.place = On::Beyond;
             return Some(root);
         }
@@ -469,16 +470,22 @@ impl Search<'_, '_> {
         if let (Some(p), Some(q)) = (place(0, s.as_ref()), place(1, t.as_ref()))
             && let Some((num, den)) = Exact::new(frame).stationary_sq(&p, &q)
         {
-            let near = ratio(&num, &den);
-            root.distance = if num.m.is_zero() {
-                Interval::point(0.0)
-            } else {
-                // the quotient is off by three roundings
-                Interval::new(near * (1.0 - ROUNDING), near * (1.0 + ROUNDING) + 1e-300).sqrt()
-            };
             let position = |(k, num, den): &Simple| Rational::new(num.big(), den.big()) + BigInt::from(*k);
-            root.point = Some([position(&p), position(&q)]);
-            return Some(root);
+            let point = [position(&p), position(&q)];
+            let inside = |([from, to], x): (&[Dyadic; 2], &Rational)| {
+                compare(&from.rational(), x).is_le() && compare(x, &to.rational()).is_le()
+            };
+            if root.outer.iter().zip(&point).all(inside) {
+                let near = ratio(&num, &den);
+                root.distance = if num.m.is_zero() {
+                    Interval::point(0.0)
+                } else {
+                    // the quotient is off by three roundings
+                    Interval::new(near * (1.0 - ROUNDING), near * (1.0 + ROUNDING) + 1e-300).sqrt()
+                };
+                root.point = Some(point);
+                return Some(root);
+            }
         }
         let (k, end) = match (s, t) {
             (Some(end), None) => (0, end),

@@ -4,11 +4,12 @@ use num_bigint::BigInt;
 use num_rational::Ratio;
 
 use super::dyadic::Dyadic;
+use super::meter::Meter;
 use crate::bernstein::dot;
 use crate::error::Error;
 use crate::integer::Int;
 use crate::number::{Rational, f64_above, f64_below};
-use crate::roots::{ComplexRoot, complex_roots};
+use crate::roots::{ComplexRoot, complex_roots_while};
 use crate::spine::Bezier;
 
 /// f = |a|^2 with C' = a / w^2 and w = 1 at the start: coefficients by rising powers, the last not 0, over one denominator.
@@ -30,10 +31,13 @@ impl Square {
         Self { f, over: &square * &square }
     }
 
+    /// `None` if the meter ran out.
+    ///
     /// # Errors
     /// None: a hodograph of a spine is not 0.
-    pub(crate) fn roots(&self) -> Result<Vec<ComplexRoot>, Error> {
-        complex_roots(&self.f.iter().map(|c| Rational::from(c.big())).collect::<Vec<_>>())
+    pub(crate) fn roots(&self, meter: &mut Meter) -> Result<Option<Vec<ComplexRoot>>, Error> {
+        let f = self.f.iter().map(|c| Rational::from(c.big())).collect::<Vec<_>>();
+        complex_roots_while(&f, &mut || meter.tick())
     }
 
     /// The degree of alpha.

@@ -11,7 +11,7 @@ use super::squares::{Choice, is_real, powers};
 use crate::enclosure::Interval;
 use crate::integer::Int;
 use crate::number::Rational;
-use crate::roots::{ComplexRoot, common_zero, complex_roots, to_bernstein};
+use crate::roots::{ComplexRoot, common_zero, complex_roots_while, halves, to_bernstein};
 use crate::spine::Bezier;
 
 /// Rotations by their rows, up to a factor; the third row is the axis. One after the other is tried until the tangents stay
@@ -61,10 +61,22 @@ const SLACK: f64 = 1.000_001;
 /// Halvings of the segment.
 const DEPTH: u32 = 40;
 
+/// The axis of the twists on a part of a segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Axis {
+    /// Where the part starts, in the parameter 0 .. 1 of its segment; exact.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+    /// In place of z, up to a factor.
+    pub axis: [i64; 3],
+}
+
 /// The twists of all decompositions of one segment.
 pub(crate) struct Twist {
-    /// The axis in place of z.
-    pub(crate) axis: [i64; 3],
+    /// The axes in place of z, of the parts in order.
+    pub(crate) axes: Vec<Axis>,
     /// Integrals of v[i] v[j] / s for v = the kernels y / ((t - x)^2 + y^2) of the pairs, then Q.
     gram: Vec<Vec<Interval>>,
     /// The integral of what does not depend on A.
@@ -73,7 +85,7 @@ pub(crate) struct Twist {
 }
 
 impl Twist {
-    /// `None` if no axis serves the segment, or the meter ran out.
+    /// `None` if parts would be shorter than 2^-`DEPTH`, or the meter ran out.
     pub(crate) fn of(bezier: &Bezier, roots: &[ComplexRoot], meter: &mut Meter) -> Option<Self> {
         let a = bezier.forms().a.map(|form| form.c);
         let turned = |rotation: &[[i64; 3]; 3]| {
@@ -83,12 +95,39 @@ impl Twist {
             };
             rotation.each_ref().map(row)
         };
-        let (axis, a) =
-            ROTATIONS.iter().map(|rotation| (rotation[2], turned(rotation))).find(|(_, [_, _, height])| {
-                let height = to_bernstein(&powers(height.clone()));
-                common_zero(&[height]).is_none()
-            })?;
-        Integrand::new(&a, roots)?.integrated(axis, meter)
+        let a = ROTATIONS.each_ref().map(turned);
+        let heights = a.each_ref().map(|[_, _, height]| to_bernstein(&powers(height.clone())));
+        let mut found: Vec<Option<Integrand>> = ROTATIONS.iter().map(|_| None).collect();
+        let size = roots.iter().filter(upper).count() + 1;
+        let (zero, multiplicities) = (Interval::point(0.0), roots.iter().filter(upper).map(ComplexRoot::multiplicity));
+        let mut twist = Self {
+            axes: vec![],
+            gram: vec![vec![zero; size]; size],
+            rest: zero,
+            multiplicities: multiplicities.collect(),
+        };
+        let mut parts = vec![((0_u64, 0_u32), heights)];
+        while let Some(((index, depth), heights)) = parts.pop() {
+            if let Some(k) = heights.iter().position(|height| common_zero(std::slice::from_ref(height)).is_none()) {
+                if found[k].is_none() {
+                    found[k] = Some(Integrand::new(&a[k], roots, meter)?);
+                }
+                found[k].as_ref()?.integrate((index, depth), &mut twist, meter)?;
+                let length = 1.0 / (1_u64 << depth) as f64;
+                let (from, to) = (index as f64 * length, (index + 1) as f64 * length);
+                twist.axes.push(Axis { from, to, axis: ROTATIONS[k][2] });
+                continue;
+            }
+            if depth >= DEPTH || !meter.tick() {
+                return None;
+            }
+            let halved = heights.map(|height| halves(&height));
+            let [left, right] =
+                [0, 1].map(|side| halved.each_ref().map(|h| if side == 0 { &h.0 } else { &h.1 }.clone()));
+            parts.extend([((2 * index + 1, depth + 1), right), ((2 * index, depth + 1), left)]);
+        }
+        let known = twist.gram.iter().flatten().chain([&twist.rest]).all(|x| x.mag().is_finite());
+        known.then_some(twist)
     }
 
     /// Of alpha + i beta and of its conjugate.
@@ -106,6 +145,11 @@ impl Twist {
             [sum.lo().max(0.0), sum.hi()]
         })
     }
+}
+
+/// A root above the axis.
+fn upper(root: &&ComplexRoot) -> bool {
+    !is_real(root) && root.im() > Rational::from_integer(0.into())
 }
 
 /// A polynomial on [0, 1] by its scaled Bernstein coefficients, times 2^-drop.
@@ -162,11 +206,11 @@ fn place(root: &ComplexRoot) -> [Interval; 2] {
 }
 
 impl Integrand {
-    fn new(a: &[Vec<Int>; 3], roots: &[ComplexRoot]) -> Option<Self> {
+    fn new(a: &[Vec<Int>; 3], roots: &[ComplexRoot], meter: &mut Meter) -> Option<Self> {
         let zeros = powers(a[2].clone());
-        let zeros = complex_roots(&zeros.iter().map(|c| Rational::from(c.big())).collect::<Vec<_>>()).ok()?;
+        let zeros = zeros.iter().map(|c| Rational::from(c.big())).collect::<Vec<_>>();
+        let zeros = complex_roots_while(&zeros, &mut || meter.tick()).ok()??;
         let counted = |roots: &[ComplexRoot]| roots.iter().map(|r| (place(r), r.multiplicity() as f64)).collect();
-        let upper = |root: &&ComplexRoot| !is_real(root) && root.im() > Rational::from_integer(0.into());
         let slopes = a.each_ref().map(|c| slope(c));
         let drop = a.iter().chain(&slopes).flatten().map(|c| c.bits() as i64).max().unwrap_or(0);
         let polynomial = |c: &Vec<Int>| {
@@ -208,7 +252,7 @@ impl Integrand {
     fn radius(&self, t: f64) -> f64 {
         let nearness = |roots: &[([Interval; 2], f64)]| {
             let one = |([x, y], times): &([Interval; 2], f64)| times / distance(t, [*x, *y]);
-            roots.iter().map(one).sum::<f64>()
+            roots.iter().map(one).fold(0.0, |sum, x| sum + x)
         };
         // prod (1 + r/d)^k <= exp(r sum k/d) <= exp 0.4 < 3/2
         let near = 0.399 / nearness(&self.poles).max(nearness(&self.zeros));
@@ -216,11 +260,10 @@ impl Integrand {
         near.min(2.0 / self.a[0].c.len() as f64)
     }
 
-    fn integrated(&self, axis: [i64; 3], meter: &mut Meter) -> Option<Twist> {
-        let size = self.pairs.len() + 1;
-        let zero = Interval::point(0.0);
-        let (mut gram, mut rest) = (vec![vec![zero; size]; size], zero);
-        let mut cells = vec![(0_u64, 0_u32)];
+    /// Adds the integrals over a cell.
+    fn integrate(&self, cell: (u64, u32), sum: &mut Twist, meter: &mut Meter) -> Option<()> {
+        let Twist { gram, rest, .. } = sum;
+        let mut cells = vec![cell];
         while let Some((index, depth)) = cells.pop() {
             if depth > DEPTH || !meter.tick() {
                 return None;
@@ -245,7 +288,7 @@ impl Integrand {
                             *entry = *entry + x * *y;
                         }
                     }
-                    rest = rest + weight * at.rest;
+                    *rest = *rest + weight * at.rest;
                 }
             }
             let around = |error: f64| Interval::new(-error, error);
@@ -254,10 +297,9 @@ impl Integrand {
                     *entry = *entry + around((x * y).next_up());
                 }
             }
-            rest = rest + around(error_of_rest);
+            *rest = *rest + around(error_of_rest);
         }
-        let known = gram.iter().flatten().chain([&rest]).all(|x| x.mag().is_finite());
-        known.then(|| Twist { axis, gram, rest, multiplicities: self.multiplicities.clone() })
+        Some(())
     }
 
     /// Bounds of the error of Gauss's rule on t - h .. t + h for the products of v and for the rest, if they are small: what is

@@ -4,6 +4,7 @@ use crate::certificate::Certificate;
 use crate::number::Rational;
 use crate::options::{Enclosure, options};
 use crate::search::meter::Stop;
+use crate::search::twist::Axis;
 
 /// A root of f = |C'|^2, in the parameter 0 .. 1 of its segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,8 +47,8 @@ pub struct SegmentSquares {
     pub count: u128,
     /// All of them, or as many as the limit allows.
     pub decompositions: Vec<Decomposition>,
-    /// The axis of the twists in place of z, up to a factor; `None` where no twist is known.
-    pub axis: Option<[i64; 3]>,
+    /// The axes of the twists in place of z: one, or several for parts of the segment in order; none if no twist is known.
+    pub axes: Vec<Axis>,
 }
 
 /// The answer of [`squares`](fn@super::squares).

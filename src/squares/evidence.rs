@@ -9,17 +9,18 @@ use crate::check::verify;
 use crate::claim::{self, Claim, Statement};
 use crate::number::{lower_text, parse_rational, upper_text};
 use crate::options::Enclosure;
+use crate::search::meter::Meter;
 use crate::spine::Spine;
 
 /// The first precision of the disks, and how often it is doubled until the checker needs no more.
 const BITS: u32 = 128;
 const DOUBLINGS: u32 = 5;
 
-/// `None` if not all is told in the answer, or no precision tried suffices.
-pub(super) fn certificate(spine: &Spine, answer: &Squares, found: &[Found]) -> Option<Certificate> {
+/// `None` if not all is told in the answer, no precision tried suffices, or the meter runs out.
+pub(super) fn certificate(spine: &Spine, answer: &Squares, found: &[Found], meter: &Meter) -> Option<Certificate> {
     let claims: Vec<claim::Squares> = answer.segments.iter().map(claimed).collect::<Option<_>>()?;
     let claim = Claim { curve: spine.curve().clone(), statement: Statement::Squares(claims.clone()) };
-    (0..=DOUBLINGS).find_map(|doublings| {
+    (0..=DOUBLINGS).take_while(|_| !meter.is_late()).find_map(|doublings| {
         let bits = BITS << doublings;
         let segments =
             found.iter().zip(&claims).map(|(found, claim)| segment(found, claim, bits)).collect::<Option<_>>()?;
@@ -39,6 +40,8 @@ fn claimed(segment: &super::SegmentSquares) -> Option<claim::Squares> {
     };
     let two = |two: &super::Decomposition| Some(claim::TwoSquares { alpha: all(&two.alpha)?, beta: all(&two.beta)? });
     Some(claim::Squares {
+        from: segment.from.clone(),
+        to: segment.to.clone(),
         roots: segment.roots.iter().map(root).collect::<Option<_>>()?,
         count: segment.count,
         decompositions: segment.decompositions.iter().map(two).collect::<Option<_>>()?,

@@ -3,6 +3,7 @@
 mod answer;
 mod evidence;
 
+pub use crate::search::twist::Axis;
 pub use answer::{Decomposition, SegmentSquares, SquareRoot, Squares, SquaresOptions};
 
 use crate::error::Error;
@@ -38,8 +39,8 @@ const BITS: (u64, u64) = (62, 1984);
 ///
 /// *Twist.* For N of theory.md, section 6, made of A = alpha + i beta, with u = tan(phi / 2), the mean over phi of the integral over
 /// t in 0 .. 1 of ((N x N').T)^2, ' being d/dt. The second number is that of alpha - i beta. If z' has a zero on the segment, N is made
-/// in rotated coordinates: with the axis x, else y, else one of (1, 2, 2)/3 and its like, in place of z; if the tangents meet the
-/// great circles across all of them, the twist is unknown.
+/// in rotated coordinates: with the axis x, else y, else one of (1, 2, 2)/3 and its like, in place of z; where the tangents meet the
+/// great circles across all of them, the segment is halved, and its parts have axes of their own.
 ///
 /// *Units.* alpha and beta are lengths; twists and t have no unit.
 ///
@@ -64,7 +65,10 @@ pub fn squares(spine: &Spine, options: &SquaresOptions) -> Result<Squares, Error
             complete = false;
             break;
         }
-        let one = Found::of(segment, options, &mut meter)?;
+        let Some(one) = Found::of(segment, options, &mut meter)? else {
+            complete = false;
+            break;
+        };
         complete &= one.complete;
         segments.push(one.answer(segment));
         found.push(one);
@@ -72,7 +76,7 @@ pub fn squares(spine: &Spine, options: &SquaresOptions) -> Result<Squares, Error
     complete &= meter.stopped.is_none();
     let mut answer = Squares { segments, complete, certificate: None, cells: meter.cells, stopped: meter.stopped };
     if options.certificate && answer.segments.len() == spine.segments.len() {
-        answer.certificate = evidence::certificate(spine, &answer, &found);
+        answer.certificate = evidence::certificate(spine, &answer, &found, &meter);
     }
     Ok(answer)
 }
@@ -83,14 +87,15 @@ struct Found {
     count: u128,
     /// With the twists where they are known.
     list: Vec<(Choice, Coefficients, [Enclosure; 2])>,
-    axis: Option<[i64; 3]>,
+    axes: Vec<Axis>,
     complete: bool,
 }
 
 impl Found {
-    fn of(segment: &Segment, options: &SquaresOptions, meter: &mut Meter) -> Result<Self, Error> {
+    /// `None` if the meter ran out before the roots are known.
+    fn of(segment: &Segment, options: &SquaresOptions, meter: &mut Meter) -> Result<Option<Self>, Error> {
         let square = Square::of(&segment.bezier);
-        let mut roots = square.roots()?;
+        let Some(mut roots) = square.roots(meter)? else { return Ok(None) };
         let width = rational_from_f64(options.rel_width).unwrap_or_default();
         // a lower bound of the greatest root
         let size =
@@ -137,9 +142,9 @@ impl Found {
                 list.push((choice, coefficients, twists));
             }
         }
-        let mut found = Self { roots, count, list, axis: twist.map(|twist| twist.axis), complete };
+        let mut found = Self { roots, count, list, axes: twist.map_or(vec![], |twist| twist.axes), complete };
         found.complete &= found.roots_narrow(&width);
-        Ok(found)
+        Ok(Some(found))
     }
 
     /// Is every root told to `width` times the greatest one?
@@ -171,7 +176,7 @@ impl Found {
             roots: self.roots.iter().map(root).filter(SquareRoot::is_finite).collect(),
             count: self.count,
             decompositions: self.list.iter().map(decomposition).collect(),
-            axis: self.axis,
+            axes: self.axes.clone(),
         }
     }
 }
