@@ -4,6 +4,7 @@
 
 mod curvature;
 mod pairs;
+mod polyline;
 mod squares;
 mod text;
 
@@ -12,6 +13,7 @@ pub(crate) use curvature::Course;
 pub(crate) use pairs::Evidence as PairsEvidence;
 #[allow(unused_imports, reason = "for those who write certificates, if they are built")]
 pub(crate) use pairs::Isolated;
+pub(crate) use polyline::Evidence as PolylineEvidence;
 pub(crate) use squares::{
     Disk as SquaresDisk, Evidence as SquaresEvidence, Factor as SquaresFactor, Segment as SquaresSegment,
 };
@@ -33,6 +35,7 @@ pub(crate) enum Evidence {
     Pairs(pairs::Evidence),
     Curvature(Course),
     Squares(squares::Evidence),
+    Polyline(polyline::Evidence),
 }
 
 /// That delta lies in [lo, hi].

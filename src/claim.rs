@@ -3,12 +3,14 @@
 
 mod curvature;
 mod pairs;
+mod polyline;
 mod squares;
 
 use crate::curve::Curve;
 use crate::number::Rational;
 pub use curvature::{Critical, CriticalKind, CriticalPoints, Stretch};
 pub use pairs::{PairBox, Pairs};
+pub use polyline::Polyline;
 pub use squares::{RootBox, Squares, TwoSquares};
 
 /// What a JSON enclosure says: at least the first, at most the second; null is `None`, +infinity.
@@ -40,4 +42,6 @@ pub enum Statement {
     Curvature(CriticalPoints),
     /// |C'|^2 as a sum of two squares, on one Bezier segment after the other.
     Squares(Vec<Squares>),
+    /// A polyline is near the spine and isotopic to it.
+    Polyline(Polyline),
 }

@@ -208,6 +208,7 @@ impl Certificate {
             Evidence::Radius(Tube { lo, hi, .. }) => Statement::Radius { lo: lo.clone(), hi: hi.clone() },
             Evidence::Pairs(pairs) => Statement::Pairs(pairs.claim.clone()),
             Evidence::Curvature(course) => Statement::Curvature(course.claim.clone()),
+            Evidence::Polyline(polyline) => Statement::Polyline(polyline.claim.clone()),
             Evidence::Squares(squares) => {
                 Statement::Squares(squares.segments.iter().map(|segment| segment.claim.clone()).collect())
             }

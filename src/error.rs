@@ -42,6 +42,8 @@ pub enum ErrorKind {
     Option,
     /// A certificate that cannot be decoded.
     Certificate,
+    /// What was asked for does not exist, whatever the limits.
+    Impossible,
     /// Floating-point rounding is broken on this machine (an emulator, for instance); nothing is claimed.
     Rounding,
 }
@@ -68,6 +70,7 @@ impl ErrorKind {
             Self::Irregular => "irregular",
             Self::Option => "option",
             Self::Certificate => "certificate",
+            Self::Impossible => "impossible",
             Self::Rounding => "rounding",
         }
     }

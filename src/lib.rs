@@ -21,6 +21,8 @@ pub mod number;
 mod options;
 #[cfg(feature = "search")]
 mod pairs;
+#[cfg(feature = "search")]
+mod polyline;
 mod print;
 #[cfg(feature = "search")]
 mod radius;
@@ -45,6 +47,8 @@ pub use number::Rational;
 pub use options::Enclosure;
 #[cfg(feature = "search")]
 pub use pairs::{Pairs, PairsOptions, StationaryPair, pairs};
+#[cfg(feature = "search")]
+pub use polyline::{Polyline, PolylineOptions, polyline};
 #[cfg(feature = "search")]
 pub use radius::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms, radius};
 #[cfg(feature = "search")]

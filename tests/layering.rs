@@ -27,6 +27,7 @@ const TABLE: &[(&str, &[&str])] = &[
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
     ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),
+    ("polyline", &["certificate", "claim", "error", "number", "options", "radius", "search", "spine"]),
     (
         "curvature",
         &[
@@ -52,7 +53,7 @@ const TABLE: &[(&str, &[&str])] = &[
 const READER: &[&str] = &["number.rs", "curve.rs"];
 const CHECKER: &[&str] = &["claim", "certificate.rs", "check/"];
 /// Further claims: each in one file of the checker, with its own statement, and the tools that they share.
-const FURTHER: &[&str] = &["curvature.rs", "pairs.rs", "squares.rs", "field.rs", "kappa.rs", "range.rs"];
+const FURTHER: &[&str] = &["curvature.rs", "pairs.rs", "polyline.rs", "squares.rs", "field.rs", "kappa.rs", "range.rs"];
 /// What it takes to have several kinds of claims: it names and passes on, and decides nothing.
 const SEVERAL: &[&str] = &["check/mod.rs", "claim.rs"];
 

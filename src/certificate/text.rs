@@ -6,7 +6,9 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{Certificate, Course, EndTree, Evidence, Foot, Node, PairsEvidence, SquaresEvidence, Tube, Upper};
+use super::{
+    Certificate, Course, EndTree, Evidence, Foot, Node, PairsEvidence, PolylineEvidence, SquaresEvidence, Tube, Upper,
+};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -48,6 +50,7 @@ impl Certificate {
             Evidence::Pairs(pairs) => ("pairs", pairs.encode()),
             Evidence::Curvature(course) => ("curvature", course.encode()),
             Evidence::Squares(squares) => ("squares", squares.encode()),
+            Evidence::Polyline(polyline) => ("polyline", polyline.encode()),
         };
         format!("{HEAD} {kind}\ncurve {}\n{text}end\n", self.digest)
     }
@@ -55,13 +58,11 @@ impl Certificate {
     /// How many leaves of the trees name each rule.
     pub(crate) fn leaves(&self) -> BTreeMap<&'static str, usize> {
         match &self.evidence {
-            Evidence::Radius(Tube { along, pairs, ends, .. }) => {
-                let ends = ends.iter().flatten().map(|(_, nodes)| nodes);
-                counted([along].into_iter().chain(pairs).chain(ends).flatten())
-            }
+            Evidence::Radius(tube) => tube.leaves(),
             Evidence::Pairs(pairs) => counted(pairs.along.iter().chain(&pairs.tree)),
             Evidence::Curvature(course) => course.leaves(),
             Evidence::Squares(squares) => squares.parts(),
+            Evidence::Polyline(polyline) => polyline.parts(),
         }
     }
 }
@@ -89,7 +90,13 @@ pub(super) fn list(numbers: &[Rational]) -> String {
 }
 
 impl Tube {
-    fn encode(&self) -> String {
+    /// How many leaves of the trees name each rule.
+    pub(super) fn leaves(&self) -> BTreeMap<&'static str, usize> {
+        let ends = self.ends.iter().flatten().map(|(_, nodes)| nodes);
+        counted([&self.along].into_iter().chain(&self.pairs).chain(ends).flatten())
+    }
+
+    pub(super) fn encode(&self) -> String {
         let bound = |b: &Option<Rational>| b.as_ref().map_or("inf".to_string(), to_fraction_text);
         let mut out = format!("lo {}\nhi {}\n", bound(&self.lo), bound(&self.hi));
         push_tree(&mut out, "along", &self.along);
@@ -191,13 +198,14 @@ impl<'a> Lines<'a> {
             "pairs" => Evidence::Pairs(PairsEvidence::decode(self)?),
             "curvature" => Evidence::Curvature(Course::read(self)?),
             "squares" => Evidence::Squares(SquaresEvidence::decode(self)?),
+            "polyline" => Evidence::Polyline(PolylineEvidence::decode(self)?),
             _ => return Err(undecodable(1, format_args!("this version knows no certificates of {}", excerpt(kind)))),
         };
         self.after("end")?;
         Ok(Certificate { digest: digest.to_string(), evidence })
     }
 
-    fn tube(&mut self) -> Result<Tube, Error> {
+    pub(super) fn tube(&mut self) -> Result<Tube, Error> {
         let lo = self.bound("lo")?;
         let hi = self.bound("hi")?;
         self.after("along")?;

@@ -9,6 +9,7 @@ mod field;
 mod kappa;
 mod pairs;
 mod poly;
+mod polyline;
 mod radius;
 mod range;
 mod rules;
@@ -63,6 +64,7 @@ pub fn verify(claim: &Claim, certificate: &Certificate) -> Result<Verified, Reje
         (Statement::Curvature(points), Evidence::Curvature(course)) => {
             curvature::verify(&claim.curve, &spine, points, course)?;
         }
+        (Statement::Polyline(claimed), Evidence::Polyline(found)) => polyline::verify(&spine, claimed, found)?,
         (Statement::Squares(claimed), Evidence::Squares(found)) => {
             squares::verify(&claim.curve, &spine, claimed, &found.segments)?;
         }

@@ -5,7 +5,9 @@ use std::fmt;
 
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
-use tubecert::claim::{Critical, CriticalKind, CriticalPoints, PairBox, Pairs, RootBox, Squares, Stretch, TwoSquares};
+use tubecert::claim::{
+    Critical, CriticalKind, CriticalPoints, PairBox, Pairs, Polyline, RootBox, Squares, Stretch, TwoSquares,
+};
 use tubecert::number::{Rational, parse_rational};
 use tubecert::{Curve, ErrorKind, Statement};
 
@@ -32,6 +34,7 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
         Some("pairs") => pairs,
         Some("curvature") => curvature,
         Some("squares") => squares,
+        Some("polyline") => polyline,
         _ => return Err(wrong("command", "this is no answer that a certificate can prove")),
     };
     if string(root, "curve.digest")? != Some(curve.digest()) {
@@ -144,6 +147,19 @@ fn squares(root: &RawValue) -> Result<Statement, Wrong> {
     }
     let segments = segments.into_iter().map(segment).collect::<Result<_, Wrong>>()?;
     Ok(Statement::Squares(segments))
+}
+
+fn polyline(root: &RawValue) -> Result<Statement, Wrong> {
+    let vertex = |item: &RawValue| {
+        let numbers: [&RawValue; 3] =
+            serde_json::from_str(item.get()).map_err(|_| wrong("vertices", "a vertex has three coordinates"))?;
+        let number = |x: &RawValue| parse_rational(x.get()).map_err(|error| wrong("vertices", error.message));
+        let [x, y, z] = numbers;
+        Ok([number(x)?, number(y)?, number(z)?])
+    };
+    let vertices = items(root, "vertices")?.into_iter().map(vertex).collect::<Result<_, Wrong>>()?;
+    let distance = bound(root, "distance.hi")?.ok_or_else(|| wrong("distance.hi", "no polyline is claimed"))?;
+    Ok(Statement::Polyline(Polyline { vertices, distance }))
 }
 
 /// The values of an array.

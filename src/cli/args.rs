@@ -35,6 +35,9 @@ pub enum Command {
     /// Roots of |C'|^2, and all ways to write it as a sum of two squares
     #[cfg(feature = "search")]
     Squares(SquaresArgs),
+    /// A polyline within a tolerance of the curve and isotopic to it
+    #[cfg(feature = "search")]
+    Polyline(PolylineArgs),
     /// Replays a certificate in exact arithmetic: does it prove the claim about the curve?
     Verify(VerifyArgs),
     /// Prints the completion script of a shell
@@ -116,6 +119,27 @@ pub struct SquaresArgs {
     /// List at most N decompositions of a segment
     #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true)]
     pub limit: usize,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, clap::Args)]
+pub struct PolylineArgs {
+    #[command(flatten)]
+    pub common: Common,
+    /// The greatest Frechet distance, in the curve's unit
+    #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// Write the polyline to FILE, which ends in .json, .csv or .obj
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// The greatest f64 that is not above the number that is spelled.
+#[cfg(feature = "search")]
+fn length(text: &str) -> Result<f64, String> {
+    let length = tubecert::number::parse_rational(text).ok().map(|x| tubecert::number::f64_below(&x));
+    let fine = length.filter(|x| *x > 0.0 && x.is_finite());
+    fine.ok_or_else(|| "a positive number that f64 can hold is wanted, for instance 0.001".to_string())
 }
 
 #[cfg(feature = "search")]

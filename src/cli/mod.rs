@@ -12,6 +12,8 @@ mod json;
 #[cfg(feature = "search")]
 mod pairs;
 #[cfg(feature = "search")]
+mod polyline;
+#[cfg(feature = "search")]
 mod radius;
 #[cfg(feature = "search")]
 mod squares;
@@ -72,6 +74,8 @@ pub fn main() -> ExitCode {
         Command::Pairs(args) => say(pairs::run(&args), args.common.json),
         #[cfg(feature = "search")]
         Command::Squares(args) => say(squares::run(&args), args.common.json),
+        #[cfg(feature = "search")]
+        Command::Polyline(args) => say(polyline::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write
@@ -117,7 +121,11 @@ impl Failure {
     }
 
     fn of(file: String, error: Error) -> Self {
-        let code = if error.kind == ErrorKind::Rounding { NO_CLAIM } else { UNUSABLE };
+        let code = match error.kind {
+            ErrorKind::Rounding => NO_CLAIM,
+            ErrorKind::Impossible => REJECTED,
+            _ => UNUSABLE,
+        };
         let help = Some(error.help).filter(|help| !help.is_empty());
         let Error { kind, key, index, offset, message, .. } = error;
         Self { kind: kind.word(), file: Some(file), key, index, message, help, offset, code }

@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
-use tubecert::claim::{Bounds, Claim, CriticalPoints, PairBox, Pairs, RootBox, Statement, TwoSquares};
+use tubecert::claim::{Bounds, Claim, CriticalPoints, PairBox, Pairs, Polyline, RootBox, Statement, TwoSquares};
 use tubecert::number::{Rational, decimal_text, to_fraction_text};
 
 use super::answer::{self, Wrong};
@@ -118,6 +118,7 @@ enum StatementData {
     Radius(Range),
     Curvature { kappa_max: Range, at: Range, critical_points: Vec<PointData>, constant: Vec<StretchData> },
     Squares { segments: Vec<SegmentData> },
+    Polyline { vertices: usize, distance: Range },
     Pairs { pairs: Vec<PairData>, undecided: Vec<PairData>, complete: bool },
 }
 
@@ -219,6 +220,10 @@ impl StatementData {
                 });
                 ("squares", Self::Squares { segments: segments.collect() })
             }
+            Statement::Polyline(claimed) => {
+                let distance = range(None, Some(&claimed.distance));
+                ("polyline", Self::Polyline { vertices: claimed.vertices.len(), distance })
+            }
             Statement::Pairs(claimed) => {
                 let [pairs, undecided] = [&claimed.pairs, &claimed.undecided].map(|all| all.iter().map(pair).collect());
                 ("pairs", Self::Pairs { pairs, undecided, complete: claimed.undecided.is_empty() })
@@ -296,6 +301,12 @@ fn claimed(claim: &Claim) -> String {
             "{} stationary pairs, one in each of the boxes claimed; all others lie in {} undecided boxes\n",
             pairs.len(),
             undecided.len()
+        ),
+        Statement::Polyline(Polyline { vertices, distance }) => format!(
+            "the polyline of {} vertices is isotopic to the spine in its tube, and within {} of it        ({})\n",
+            vertices.len(),
+            text(distance),
+            unit(&claim.curve)
         ),
         _ => String::new(),
     }

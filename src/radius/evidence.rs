@@ -19,11 +19,21 @@ pub(super) fn certificate(
     margin: f64,
 ) -> Option<Certificate> {
     let printed = |text: String| parse_rational(&text).ok();
-    // `null` is +infinity
     let (lo, hi) = (printed(lower_text(delta.lo)), printed(upper_text(delta.hi)));
     if hi.is_some() && upper == Upper::None {
         return None;
     }
+    let evidence = Evidence::Radius(proof(frame, lo, hi, upper, margin)?);
+    Some(Certificate { digest: spine.curve().digest(), evidence })
+}
+
+/// The evidence that delta is at least `lo`, of which no more is said; infinite: that the spine is straight.
+pub(crate) fn tube(frame: &Frame, lo: f64) -> Option<Tube> {
+    proof(frame, parse_rational(&lower_text(lo)).ok(), None, Upper::None, 1e-6)
+}
+
+/// `None` for a bound is +infinity.
+fn proof(frame: &Frame, lo: Option<Rational>, hi: Option<Rational>, upper: Upper, margin: f64) -> Option<Tube> {
     // the searches run in the unit box
     let r = lo.as_ref().map_or(0.0, |lo: &Rational| f64_above(&(lo * power_of_two(frame.scale))));
     let along = evidence::along(frame, r)?;
@@ -36,8 +46,7 @@ pub(super) fn certificate(
             ends = Some([evidence::end(&mut tree, false, r)?, evidence::end(&mut tree, true, r)?]);
         }
     }
-    let evidence = Evidence::Radius(Tube { lo, hi, along, pairs, ends, upper });
-    Some(Certificate { digest: spine.curve().digest(), evidence })
+    Some(Tube { lo, hi, along, pairs, ends, upper })
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 mod answer;
 mod evidence;
 
+pub(crate) use evidence::tube;
+
 pub use answer::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Terms};
 
 use crate::certificate::Upper;

@@ -13,6 +13,7 @@ pub(crate) mod kappa;
 pub(crate) mod meter;
 pub(crate) mod newton;
 pub(crate) mod pairs;
+pub(crate) mod polyline;
 pub(crate) mod rims;
 pub(crate) mod rules;
 pub(crate) mod squares;

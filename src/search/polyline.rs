@@ -1,0 +1,461 @@
+//! A polyline that runs along the spine: theory.md, section 7, Theorem P'. Each edge is as long as the tolerance allows, and is
+//! proved as it is made, in intervals: for the vertex that is printed, and any number within one step of it.
+
+use super::frame::Frame;
+use super::meter::Meter;
+use crate::enclosure::Interval;
+use crate::integer::Int;
+use crate::number::Rational;
+use crate::spine::Bezier;
+
+pub(crate) type Point = [Interval; 3];
+
+/// How far the arc of an edge reaches beyond its vertices, as a share of its length.
+const REACH: f64 = 1.0 / 32.0;
+/// An edge is long enough if the bound of its distance is this share of what is allowed.
+const FULL: f64 = 0.94;
+/// So often an edge is tried.
+const TRIES: usize = 60;
+
+/// The spine in the box of a frame, in intervals.
+pub(crate) struct Rail<'a> {
+    frame: &'a Frame,
+    origin: Point,
+    spans: Vec<Span>,
+    /// Positions are multiples of this.
+    unit: f64,
+}
+
+struct Span {
+    /// Premultiplied numerators; for a constant weight the points themselves.
+    r: Vec<Point>,
+    /// Empty for a constant weight.
+    w: Vec<Interval>,
+    /// |C'| at both ends, nearly.
+    speed: [f64; 2],
+}
+
+/// A polyline with its proof.
+pub(crate) struct Course {
+    pub(crate) vertices: Vec<[f64; 3]>,
+    /// Where the vertices are: span + local parameter.
+    pub(crate) positions: Vec<f64>,
+    /// The cuts of the arc of each edge.
+    pub(crate) edges: Vec<Vec<f64>>,
+    /// Of an open spine: beyond the disks of the first and the last vertex.
+    pub(crate) ends: Option<[f64; 2]>,
+    /// No point is farther, in the box.
+    pub(crate) distance: f64,
+}
+
+fn sub(a: &Point, b: &Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: &Point, b: &Point) -> Interval {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn square(a: &Point) -> Interval {
+    a[0].sqr() + a[1].sqr() + a[2].sqr()
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+impl Span {
+    fn new(bezier: &Bezier) -> Self {
+        let ratio = |x: &Int, w: &Int| Interval::from_ratio(&x.big(), &w.big());
+        let (n, first) = (bezier.degree(), bezier.weight(0));
+        let point = |i: usize| [0, 1, 2].map(|k| ratio(&bezier.x[k][i], first));
+        let r: Vec<Point> = (0..=n).map(point).collect();
+        let w: Vec<Interval> = match bezier.w.len() {
+            1 => vec![],
+            _ => bezier.w.iter().map(|w| ratio(w, first)).collect(),
+        };
+        let weight = |i: usize| if w.is_empty() { 1.0 } else { w[i].mid() };
+        let speed = |i: usize, j: usize| {
+            let leg = [0, 1, 2].map(|k| r[j][k].mid() / weight(j) - r[i][k].mid() / weight(i));
+            n as f64 * weight(j) / weight(i) * leg.iter().map(|x| x * x).sum::<f64>().sqrt()
+        };
+        let speed = [speed(0, 1), speed(n, n - 1)];
+        Self { r, w, speed }
+    }
+
+    /// The control points, and weights, of the part from p to q.
+    fn part(&self, p: f64, q: f64) -> (Vec<Point>, Vec<Interval>) {
+        let (mut r, mut w) = (self.r.clone(), self.w.clone());
+        let split = |r: &mut Vec<Point>, w: &mut Vec<Interval>, t: Interval, left: bool| {
+            let (s, n) = (Interval::point(1.0) - t, r.len() - 1);
+            for level in 1..=n {
+                // in place: to the left those that stay are in front, to the right behind
+                let range: Vec<usize> = if left { (level..=n).rev().collect() } else { (0..=n - level).collect() };
+                for i in range {
+                    let (a, b) = if left { (i - 1, i) } else { (i, i + 1) };
+                    r[i] = [0, 1, 2].map(|k| s * r[a][k] + t * r[b][k]);
+                    if !w.is_empty() {
+                        w[i] = s * w[a] + t * w[b];
+                    }
+                }
+            }
+        };
+        if q < 1.0 {
+            split(&mut r, &mut w, Interval::point(q), true);
+        }
+        if p > 0.0 {
+            split(&mut r, &mut w, Interval::point(p) / Interval::point(q.max(f64::MIN_POSITIVE)), false);
+        }
+        (r, w)
+    }
+}
+
+/// The points themselves, if all weights are surely positive.
+fn cartesian((r, w): &(Vec<Point>, Vec<Interval>)) -> Option<Vec<Point>> {
+    if w.is_empty() {
+        return Some(r.clone());
+    }
+    let fine = w.iter().all(|w| w.is_positive());
+    fine.then(|| r.iter().zip(w).map(|(r, w)| r.map(|x| x / *w)).collect())
+}
+
+impl<'a> Rail<'a> {
+    pub(crate) fn new(frame: &'a Frame) -> Self {
+        let spans: Vec<Span> = frame.segments.iter().map(Span::new).collect();
+        let origin = frame.origin.each_ref().map(|x| Interval::from_ratio(x.numer(), x.denom()));
+        let bits = 64 - (2 * spans.len() as u64).leading_zeros() as i32;
+        Self { frame, origin, spans, unit: 2_f64.powi(bits - 51) }
+    }
+
+    pub(crate) fn count(&self) -> f64 {
+        self.spans.len() as f64
+    }
+
+    fn scale(&self) -> i32 {
+        self.frame.scale.clamp(-5000, 5000) as i32
+    }
+
+    fn snapped(&self, position: f64) -> f64 {
+        (position / self.unit).round() * self.unit
+    }
+
+    /// Every number that the printed vertex may be, in the box.
+    pub(crate) fn vertex(&self, v: &[f64; 3]) -> Point {
+        [0, 1, 2].map(|k| (Interval::new(v[k].next_down(), v[k].next_up()) - self.origin[k]).scale2(self.scale()))
+    }
+
+    /// The span of a position, or the one before if it is at its start and ends there, and the local parameter.
+    fn local(&self, position: f64, ends: bool) -> (usize, f64) {
+        let whole = if ends {
+            (position.ceil() - 1.0).max(if self.frame.closed { f64::MIN } else { 0.0 })
+        } else {
+            position.floor()
+        };
+        let last = self.count() - 1.0;
+        let whole = if self.frame.closed { whole } else { whole.clamp(0.0, last) };
+        ((whole.rem_euclid(self.count())) as usize, position - whole)
+    }
+
+    /// A point of the spine in the curve's own coordinates, nearly.
+    pub(crate) fn near(&self, position: f64) -> [f64; 3] {
+        let (span, t) = self.local(position, false);
+        let at = self.at(span, t);
+        [0, 1, 2].map(|k| (Interval::point(at[k].mid()).scale2(-self.scale()) + self.origin[k]).mid())
+    }
+
+    fn at(&self, span: usize, t: f64) -> Point {
+        let (r, w) = self.spans[span].part(0.0, t);
+        let last = r.len() - 1;
+        if t <= 0.0 {
+            return if w.is_empty() { r[0] } else { r[0].map(|x| x / w[0]) };
+        }
+        if w.is_empty() { r[last] } else { r[last].map(|x| x / w[last]) }
+    }
+
+    /// A position moved by a step of its own span; beyond a joint the step is about as long.
+    fn moved(&self, position: f64, by: f64) -> f64 {
+        let to = position + by;
+        let (joint, beyond) = match by > 0.0 {
+            true => (position.floor() + 1.0, position.floor() + 1.0 < to),
+            false => (position.ceil() - 1.0, to < position.ceil() - 1.0),
+        };
+        // from the joint itself the step is in the next span
+        let joint = if by < 0.0 && position == position.floor() { position } else { joint };
+        let crosses = beyond || (by < 0.0 && position == joint);
+        if !crosses {
+            return self.snapped(to);
+        }
+        let k = |x: f64| x.rem_euclid(self.count()) as usize;
+        let (here, there) = match by > 0.0 {
+            true => (self.spans[k(joint - 1.0)].speed[1], self.spans[k(joint)].speed[0]),
+            false => (self.spans[k(joint)].speed[0], self.spans[k(joint - 1.0)].speed[1]),
+        };
+        let ratio = (here / there).clamp(1e-6, 1e6);
+        let rest = (to - joint) * if ratio.is_finite() { ratio } else { 1.0 };
+        self.snapped(joint + rest.clamp(-0.5, 0.5))
+    }
+
+    /// The cuts of an arc: its ends, the joints inside, its middle.
+    fn cuts(&self, from: f64, to: f64) -> Vec<f64> {
+        let mut cuts = vec![from, to, self.snapped(from.midpoint(to))];
+        let (mut joint, last) = (from.floor() + 1.0, to);
+        while joint < last {
+            cuts.push(joint);
+            joint += 1.0;
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+        cuts
+    }
+
+    /// Proves that an edge runs along the arc; the bound of its distance from it. `known`: the first, or the last, vertex is
+    /// the end of the arc exactly.
+    pub(crate) fn edge(&self, from: &Point, to: &Point, cuts: &[f64], known: [bool; 2]) -> Option<f64> {
+        let d = sub(to, from);
+        let length = square(&d);
+        if !length.is_positive() {
+            return None;
+        }
+        let mut most = 0.0_f64;
+        for (k, pair) in cuts.windows(2).enumerate() {
+            let ((span, p), (_, q)) = (self.local(pair[0], false), self.local(pair[1], true));
+            let part = self.spans[span].part(p, q);
+            let points = cartesian(&part)?;
+            if !forward(&part, &d) {
+                return None;
+            }
+            for point in &points {
+                most = most.max((square(&cross(&sub(point, from), &d)) / length).hi());
+            }
+            let n = points.len() - 1;
+            let before =
+                |a: &Point, b: &Point, t: &Point| dot(&sub(b, a), t).is_positive() && dot(&sub(b, a), &d).is_positive();
+            if k == 0 && !known[0] && !before(&points[0], from, &sub(&points[1], &points[0])) {
+                return None;
+            }
+            if k + 2 == cuts.len() && !known[1] && !before(to, &points[n], &sub(&points[n], &points[n - 1])) {
+                return None;
+            }
+        }
+        Some(Interval::point(most).sqrt().hi())
+    }
+
+    /// The arc from one position to the other, one of them an end of the spine, is no farther from a vertex than this, whose
+    /// disk lies on it.
+    fn covered(&self, vertex: &Point, [from, to]: [f64; 2], at_start: bool) -> Option<f64> {
+        let ((span, p), (_, q)) = (self.local(from, false), self.local(to, true));
+        let points = cartesian(&self.spans[span].part(p, q))?;
+        let n = points.len() - 1;
+        let farther = match at_start {
+            true => dot(&sub(&points[n], vertex), &sub(&points[n], &points[n - 1])),
+            false => dot(&sub(vertex, &points[0]), &sub(&points[1], &points[0])),
+        };
+        let most = points.iter().map(|point| square(&sub(point, vertex)).hi()).fold(0.0, f64::max);
+        farther.is_positive().then(|| Interval::point(most).sqrt().hi())
+    }
+}
+
+/// The hodograph has a positive product with d all along.
+fn forward((r, w): &(Vec<Point>, Vec<Interval>), d: &Point) -> bool {
+    let heights: Vec<Interval> = r.iter().map(|r| dot(r, d)).collect();
+    if w.is_empty() {
+        return r.windows(2).all(|pair| dot(&sub(&pair[1], &pair[0]), d).is_positive());
+    }
+    let n = r.len() - 1;
+    let (bn, bd) = (crate::bernstein::binomials(n), crate::bernstein::binomials(n - 1));
+    let mut sums = vec![Interval::point(0.0); 2 * n];
+    for i in 0..n {
+        let (rise, more) = (heights[i + 1] - heights[i], w[i + 1] - w[i]);
+        for j in 0..=n {
+            let share = Interval::point(bd[i]) * Interval::point(bn[j]);
+            sums[i + j] = sums[i + j] + share * (rise * w[j] - more * heights[j]);
+        }
+    }
+    sums.iter().all(|sum| sum.is_positive())
+}
+
+/// Makes the polyline, no farther from the spine than `limit`, in the box. `exact` tells whether a vertex, as printed, is an end of
+/// the spine exactly. `None` if the meter ran out, or an edge cannot be proved at any length.
+pub(crate) fn course(
+    rail: &Rail,
+    limit: f64,
+    exact: impl Fn(&[f64; 3], bool) -> bool,
+    meter: &mut Meter,
+) -> Option<Course> {
+    let (count, closed) = (rail.count(), rail.frame.closed);
+    let (mut start, mut finish, mut known, mut ends) = (0.0, count, [false; 2], None);
+    let mut most = 0.0_f64;
+    if !closed {
+        let mut places = [0.0, count];
+        for (k, at_start) in [(0, true), (1, false)] {
+            let end = places[k];
+            known[k] = exact(&rail.near(end), at_start);
+            let mut inward = 16.0 * rail.unit;
+            let mut place = end;
+            while !known[k] {
+                // so far in that the vertex, as printed, is not beyond the end
+                place = if at_start { inward } else { count - inward };
+                let beyond = if at_start { 2.0 * inward } else { count - 2.0 * inward };
+                let vertex = rail.vertex(&rail.near(place));
+                let at_end = if at_start {
+                    rail.covered(&vertex, [end, beyond], true)
+                } else {
+                    rail.covered(&vertex, [beyond, end], false)
+                };
+                let (span, t) = rail.local(end, !at_start);
+                let (p, q) = if at_start { (0.0, 0.5) } else { (0.5, 1.0) };
+                let points = cartesian(&rail.spans[span].part(p, q))?;
+                let n = points.len() - 1;
+                let inside = match at_start {
+                    true => dot(&sub(&vertex, &points[0]), &sub(&points[1], &points[0])),
+                    false => dot(&sub(&points[n], &vertex), &sub(&points[n], &points[n - 1])),
+                };
+                debug_assert!(t == 0.0 || t == 1.0);
+                if let Some(off) = at_end.filter(|off| *off <= limit && inside.is_positive()) {
+                    most = most.max(off);
+                    places[k] = beyond;
+                    break;
+                }
+                inward *= 4.0;
+                if inward > 0.01 || !meter.tick() {
+                    return None;
+                }
+            }
+            if at_start {
+                start = place;
+            } else {
+                finish = place;
+            }
+        }
+        ends = Some(places);
+    }
+    let mut course =
+        Course { vertices: vec![rail.near(start)], positions: vec![start], edges: vec![], ends, distance: 0.0 };
+    let first = rail.vertex(&course.vertices[0]);
+    // round a closed spine in four edges at the least
+    let longest = if closed { count / 4.0 } else { count };
+    let (mut at, mut from, mut step) = (start, first, 0.25_f64.min(longest));
+    while at < finish {
+        let mut tries = 0;
+        let (mut least, mut best) = (0.0, None);
+        loop {
+            tries += 1;
+            if tries > TRIES || !meter.tick() {
+                return None;
+            }
+            let left = finish - at;
+            // the last two share what is left
+            let to = if step >= left {
+                finish
+            } else if 2.0 * step > left {
+                rail.snapped(at + 0.5 * left)
+            } else {
+                rail.snapped(at + step)
+            };
+            if to <= at {
+                return None;
+            }
+            let ended = to >= finish;
+            let place = if ended && closed { course.vertices[0] } else { rail.near(to) };
+            let vertex = rail.vertex(&place);
+            let reach = REACH * (to - at);
+            let low = if !closed && course.edges.is_empty() {
+                if known[0] { 0.0 } else { rail.moved(at, -reach).max(0.0) }
+            } else {
+                rail.moved(at, -reach)
+            };
+            let high = if !closed && ended {
+                if known[1] { count } else { rail.moved(to, reach).min(count) }
+            } else {
+                rail.moved(to, reach)
+            };
+            let (low, high) = if closed { (low, high) } else { (low.max(0.0), high.min(count)) };
+            let cuts = rail.cuts(low, high);
+            let exactly = [known[0] && course.edges.is_empty(), known[1] && ended && !closed];
+            let off = rail.edge(&from, &vertex, &cuts, exactly).filter(|off| *off <= f64::MAX);
+            let tried = to - at;
+            match off {
+                Some(off) if off <= limit => {
+                    let full = ended || off >= FULL * limit || tries > 6;
+                    best = Some((to, place, vertex, cuts, off));
+                    least = tried;
+                    let larger = tried * (0.985 * (limit / off.max(1e-300)).sqrt()).min(2.0);
+                    step = larger.min(longest);
+                    if full || step <= tried * 1.01 {
+                        break;
+                    }
+                }
+                Some(off) => {
+                    if best.is_some() {
+                        step = least;
+                        break;
+                    }
+                    step = tried * (0.985 * (limit / off).sqrt()).clamp(0.1, 0.95);
+                }
+                None => {
+                    if best.is_some() {
+                        step = least;
+                        break;
+                    }
+                    step = 0.5 * tried;
+                }
+            }
+        }
+        let (to, place, vertex, cuts, off) = best?;
+        most = most.max(off);
+        course.edges.push(cuts);
+        (at, from) = (to, vertex);
+        if !(closed && at >= finish) {
+            course.vertices.push(place);
+            course.positions.push(to);
+        }
+    }
+    course.distance = most;
+    Some(course)
+}
+
+/// The number of edges that the asymptotic law asks for: the integral of sqrt(kappa / (8 limit)) along the spine, by samples.
+pub(crate) fn asymptotic(rail: &Rail, limit: f64) -> f64 {
+    const SAMPLES: usize = 64;
+    let mut sum = 0.0;
+    for span in 0..rail.spans.len() {
+        let h = 1.0 / SAMPLES as f64;
+        let mid = |t: f64| rail.at(span, t).map(Interval::mid);
+        let points: Vec<[f64; 3]> = (0..=2 * SAMPLES).map(|i| mid(0.5 * h * i as f64)).collect();
+        for three in points.windows(3).step_by(2) {
+            let [a, b, c] = [0, 1, 2].map(|i| three[i]);
+            let (u, v) = ([0, 1, 2].map(|k| c[k] - a[k]), [0, 1, 2].map(|k| a[k] - 2.0 * b[k] + c[k]));
+            let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+            let size = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // the height of the triangle is kappa ds^2 / 8
+            if size(u) > 0.0 {
+                sum += (size(cross) / (2.0 * size(u)) / limit).sqrt();
+            }
+        }
+    }
+    sum
+}
+
+/// Edges of a uniform subdivision of each span, until the control polygons, whose distance falls by four with each halving, are
+/// within `limit` of their chords: the a-priori number of the control-polygon argument.
+pub(crate) fn of_control_polygons(rail: &Rail, limit: f64) -> f64 {
+    const PARTS: i32 = 8;
+    let of_span = |span: &Span| {
+        let off = |k: i32| {
+            let (p, q) = (f64::from(k) / f64::from(PARTS), f64::from(k + 1) / f64::from(PARTS));
+            let points = cartesian(&span.part(p, q))?;
+            let d = sub(&points[points.len() - 1], &points[0]);
+            let far = points.iter().map(|point| (square(&cross(&sub(point, &points[0]), &d)) / square(&d)).mid());
+            Some(far.fold(0.0, f64::max).sqrt())
+        };
+        let worst = (0..PARTS).map(|k| off(k).unwrap_or(0.0)).fold(0.0, f64::max);
+        let halvings = (0.5 * (worst / limit).log2()).ceil().max(-f64::from(PARTS).log2());
+        f64::from(PARTS) * halvings.exp2()
+    };
+    rail.spans.iter().map(of_span).sum()
+}
+
+/// A position in lowest terms.
+pub(crate) fn rational(position: f64) -> Rational {
+    crate::number::rational_from_f64(position).unwrap_or_default()
+}

@@ -1,0 +1,373 @@
+//! Polylines: sampled distances both ways, clearance by brute force, knot determinants, certificates and their mutants. Nothing
+//! here shares code with the answer.
+#![cfg(feature = "search")]
+
+mod oracle;
+mod random;
+mod shapes;
+
+use num_traits::ToPrimitive;
+use oracle::Oracle;
+use proptest::prelude::*;
+use random::*;
+use shapes::*;
+use tubecert::claim::Polyline as Claimed;
+use tubecert::number::{parse_rational, to_fraction_text};
+use tubecert::{
+    Certificate, Claim, Curve, ErrorKind, Polyline, PolylineOptions, Rational, Spine, Statement, polyline, verify,
+};
+
+type V = [f64; 3];
+
+fn file(name: &str) -> Curve {
+    let path = format!("{}/tests/curves/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    Curve::from_json_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+fn made(curve: &Curve, tolerance: f64) -> Polyline {
+    let spine = Spine::from_curve(curve.clone()).unwrap();
+    polyline(&spine, tolerance, &PolylineOptions::new().certificate(true)).unwrap()
+}
+
+fn sub(a: &V, b: &V) -> V {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: &V, b: &V) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// From a point to a segment.
+fn off(p: &V, a: &V, b: &V) -> f64 {
+    let d = sub(b, a);
+    let t = (dot(&sub(p, a), &d) / dot(&d, &d)).clamp(0.0, 1.0);
+    let q = sub(p, &[0, 1, 2].map(|k| a[k] + t * d[k]));
+    dot(&q, &q).sqrt()
+}
+
+fn edges(vertices: &[V], closed: bool) -> Vec<[V; 2]> {
+    let mut edges: Vec<[V; 2]> = vertices.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    if closed {
+        edges.push([vertices[vertices.len() - 1], vertices[0]]);
+    }
+    edges
+}
+
+/// The spine in so many points for each span.
+fn sampled(curve: &Curve, count: i64) -> Vec<V> {
+    let oracle = Oracle::new(curve);
+    let spans = oracle.spans.len();
+    let at = |span: usize, t: Rational| oracle.point(span, &t).map(|x| x.to_f64().unwrap());
+    (0..spans).flat_map(|span| (0..=count).map(move |i| (span, q(i, count)))).map(|(span, t)| at(span, t)).collect()
+}
+
+/// The greatest distance found of a point of one from the other. The samples of the spine are `gap` apart at the most.
+fn hausdorff(spine: &[V], vertices: &[V], closed: bool) -> [f64; 2] {
+    let edges = edges(vertices, closed);
+    let to_line = |p: &V| edges.iter().map(|[a, b]| off(p, a, b)).fold(f64::INFINITY, f64::min);
+    let pieces: Vec<[V; 2]> = spine.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[a, b]| a != b).collect();
+    let to_spine = |p: &V| pieces.iter().map(|[a, b]| off(p, a, b)).fold(f64::INFINITY, f64::min);
+    let on_line =
+        edges.iter().flat_map(|[a, b]| [0.0, 0.25, 0.5, 0.75].map(|t| [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))));
+    [spine.iter().map(to_line).fold(0.0, f64::max), on_line.map(|p| to_spine(&p)).fold(0.0, f64::max)]
+}
+
+/// The least distance of two edges that are not neighbours.
+fn clearance(vertices: &[V], closed: bool) -> f64 {
+    let edges = edges(vertices, closed);
+    let mut least = f64::INFINITY;
+    for (i, [a, b]) in edges.iter().enumerate() {
+        for (j, [c, d]) in edges.iter().enumerate().skip(i + 2) {
+            if closed && i == 0 && j + 1 == edges.len() {
+                continue;
+            }
+            least = least.min(between([a, b], [c, d]));
+        }
+    }
+    least
+}
+
+/// Of two segments.
+fn between([a, b]: [&V; 2], [c, d]: [&V; 2]) -> f64 {
+    let (u, v, w) = (sub(b, a), sub(d, c), sub(a, c));
+    let (uu, uv, vv, uw, vw) = (dot(&u, &u), dot(&u, &v), dot(&v, &v), dot(&u, &w), dot(&v, &w));
+    let det = uu * vv - uv * uv;
+    let ends = off(a, c, d).min(off(b, c, d)).min(off(c, a, b)).min(off(d, a, b));
+    let (s, t) = ((uv * vw - vv * uw) / det, (uu * vw - uv * uw) / det);
+    if !((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)) {
+        return ends;
+    }
+    let gap: V = [0, 1, 2].map(|k| w[k] + s * u[k] - t * v[k]);
+    ends.min(dot(&gap, &gap).sqrt())
+}
+
+/// |Alexander polynomial at -1| of a closed polyline: the colourings of its crossings in a plane, modulo a prime.
+fn determinant(vertices: &[V]) -> u64 {
+    const PRIME: i128 = 1_000_000_007;
+    // a direction that no symmetric knot knows
+    let (e, f, g) = ([0.36, 0.48, -0.8], [0.8, -0.6, 0.0], [0.48, 0.64, 0.6]);
+    let turned: Vec<V> = vertices.iter().map(|p| [dot(p, &e), dot(p, &f), dot(p, &g)]).collect();
+    let edges = edges(&turned, true);
+    // under-crossings: (edge, place on it, the edge over it, place on that)
+    let mut under: Vec<(usize, f64, usize, f64)> = vec![];
+    for (i, [a, b]) in edges.iter().enumerate() {
+        for (j, [c, d]) in edges.iter().enumerate().skip(i + 1) {
+            let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
+            let det = u[0] * v[1] - u[1] * v[0];
+            let (s, t) = ((w[0] * v[1] - w[1] * v[0]) / det, (w[0] * u[1] - w[1] * u[0]) / det);
+            if det == 0.0 || !(0.0..1.0).contains(&s) || !(0.0..1.0).contains(&t) {
+                continue;
+            }
+            let (high, low) = (a[2] + s * u[2], c[2] + t * v[2]);
+            under.push(if high < low { (i, s, j, t) } else { (j, t, i, s) });
+        }
+    }
+    under.sort_by(|p, q| (p.0, p.1).partial_cmp(&(q.0, q.1)).unwrap());
+    let n = under.len();
+    if n < 3 {
+        return 1;
+    }
+    // arc k ends at under-crossing k
+    let arc = |edge: usize, s: f64| under.partition_point(|c| (c.0, c.1) < (edge, s)) % n;
+    let mut rows: Vec<Vec<i128>> = vec![vec![0; n]; n];
+    for (k, crossing) in under.iter().enumerate() {
+        rows[k][arc(crossing.2, crossing.3)] += 2;
+        rows[k][k] -= 1;
+        rows[k][(k + 1) % n] -= 1;
+    }
+    let mut det = 1_i128;
+    let size = n - 1;
+    let power = |mut x: i128, mut e: i128| {
+        let mut y = 1;
+        while e > 0 {
+            if e & 1 == 1 {
+                y = y * x % PRIME;
+            }
+            (x, e) = (x * x % PRIME, e >> 1);
+        }
+        y
+    };
+    for c in 0..size {
+        let Some(pivot) = (c..size).find(|r| rows[*r][c].rem_euclid(PRIME) != 0) else { return 0 };
+        if pivot != c {
+            rows.swap(pivot, c);
+            det = -det;
+        }
+        det = det * rows[c][c] % PRIME;
+        let inverse = power(rows[c][c].rem_euclid(PRIME), PRIME - 2);
+        for r in c + 1..size {
+            let factor = rows[r][c] * inverse % PRIME;
+            for k in c..size {
+                rows[r][k] = (rows[r][k] - factor * rows[c][k]) % PRIME;
+            }
+        }
+    }
+    let det = det.rem_euclid(PRIME);
+    det.min(PRIME - det) as u64
+}
+
+/// Everything that an outsider can see of a polyline.
+fn stands(curve: &Curve, line: &Polyline, tolerance: f64, samples: i64) {
+    assert!(line.is_certified(), "{line:?}");
+    assert!(line.distance.hi <= tolerance && line.distance.hi < line.tube_radius.lo);
+    assert_eq!(line.edges, line.vertices.len() - usize::from(!line.closed));
+    let spine = sampled(curve, samples);
+    let gap =
+        spine.windows(2).map(|pair| dot(&sub(&pair[1], &pair[0]), &sub(&pair[1], &pair[0])).sqrt()).fold(0.0, f64::max);
+    let [far, near] = hausdorff(&spine, &line.vertices, line.closed);
+    // chords of the samples leave the spine by kappa gap^2 / 8
+    let slack = gap * gap / line.tube_radius.lo.min(1e9) / 8.0 + 1e-12 * gap;
+    assert!(far <= line.distance.hi * (1.0 + 1e-9), "{far} {:?}", line.distance);
+    assert!(near <= line.distance.hi + slack, "{near} {slack} {:?}", line.distance);
+    // the bound is not much more than what is there
+    assert!(far * 1.5 + 1e-12 >= line.distance.hi || line.edges < 8, "{far} {:?}", line.distance);
+    let certificate = line.certificate.as_ref().expect("a certificate");
+    let claim = Claim { curve: curve.clone(), statement: Statement::Polyline(line.claim().unwrap()) };
+    verify(&claim, certificate).unwrap_or_else(|why| panic!("{why}"));
+}
+
+#[test]
+fn curves_of_the_files() {
+    for name in [
+        "m98_5_1_parabola",
+        "m98_5_2",
+        "m98_5_3",
+        "m98_5_4",
+        "m98_5_5_planar",
+        "m98_5_6_1",
+        "m98_5_6_2",
+        "circle_exact",
+        "pierced_end",
+        "straight_line",
+        "trefoil",
+    ] {
+        let curve = file(name);
+        for tolerance in [100.0, 0.1, 1e-3] {
+            let line = made(&curve, tolerance);
+            stands(&curve, &line, tolerance, if name == "trefoil" { 60 } else { 400 });
+        }
+        let fine = made(&curve, 1e-9);
+        assert!(fine.is_certified() && fine.distance.hi <= 1e-9, "{name}");
+        assert!(
+            (fine.edges as f64) <= 1.05 * fine.edges_lower_bound + 1.0,
+            "{name}: {} {}",
+            fine.edges,
+            fine.edges_lower_bound
+        );
+    }
+}
+
+#[test]
+fn knots_stay_knotted() {
+    let eight = |k: i64| {
+        let t = std::f64::consts::TAU * k as f64 / 40.0;
+        let r = 2.0 + (2.0 * t).cos();
+        [r * (3.0 * t).cos(), r * (3.0 * t).sin(), (4.0 * t).sin()].map(|x| q((x * 1e6) as i64, 1_000_000))
+    };
+    let figure_eight = periodic(3, &(0..40).map(eight).collect::<Vec<Point>>());
+    let unknot = periodic(3, &[[0, 0, 0], [4, 0, 1], [5, 3, 0], [1, 4, -1]].map(|p: [i64; 3]| p.map(int)));
+    for (curve, wanted) in [
+        (file("trefoil"), 3),
+        (torus_knot(2, 3, 40), 3),
+        (torus_knot(2, 5, 40), 5),
+        (figure_eight, 5),
+        (unknot, 1),
+        (file("circle_exact"), 1),
+    ] {
+        for tolerance in [10.0, 0.1, 1e-2, 1e-3] {
+            let line = made(&curve, tolerance);
+            stands(&curve, &line, tolerance, 40);
+            assert_eq!(determinant(&line.vertices), wanted, "{tolerance}");
+            assert!(clearance(&line.vertices, true) > 0.0);
+        }
+    }
+}
+
+#[test]
+fn impossible_and_unusable() {
+    let corner = bezier_int(&[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]]);
+    let spine = Spine::from_curve(corner).unwrap();
+    let kind = |tolerance: f64| polyline(&spine, tolerance, &PolylineOptions::new()).unwrap_err().kind;
+    assert_eq!(kind(0.1), ErrorKind::Impossible);
+    for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(kind(tolerance), ErrorKind::Option);
+    }
+    // below the rounding of coordinates nothing is proved, and that is soon known
+    let curve = file("m98_5_2");
+    for tolerance in [1e-17, f64::MIN_POSITIVE, 5e-324] {
+        assert!(!made(&curve, tolerance).is_certified());
+    }
+    let limited = PolylineOptions::new().max_cells(5);
+    assert!(!polyline(&Spine::from_curve(curve).unwrap(), 1e-6, &limited).unwrap().is_certified());
+}
+
+/// Far away, tiny, huge.
+#[test]
+fn any_size_and_place() {
+    let curve = file("m98_5_3");
+    for size in [power(10, -90), power(10, 80)] {
+        let line = made(&scaled(&curve, &size), 1e-3 * size.to_f64().unwrap());
+        assert!(line.is_certified() && line.edges.abs_diff(made(&curve, 1e-3).edges) < 3);
+    }
+    let far = moved(&curve, &[power(10, 6), int(0), q(1, 3)]);
+    stands(&far, &made(&far, 1e-4), 1e-4, 400);
+}
+
+/// Of a claim with other vertices the certificate proves nothing.
+#[test]
+fn other_vertices_are_rejected() {
+    for name in ["m98_5_2", "trefoil"] {
+        let curve = file(name);
+        let line = made(&curve, 1e-3);
+        let (claim, certificate) = (line.claim().unwrap(), line.certificate.unwrap());
+        let proved = |change: &dyn Fn(&mut Claimed)| {
+            let mut mutant = claim.clone();
+            change(&mut mutant);
+            verify(&Claim { curve: curve.clone(), statement: Statement::Polyline(mutant) }, &certificate).is_ok()
+        };
+        assert!(proved(&|_| {}));
+        assert!(proved(&|c| c.distance = &c.distance * q(1_000_001, 1_000_000)));
+        assert!(!proved(&|c| c.distance = &c.distance * q(9, 10)));
+        assert!(!proved(&|c| c.distance = int(10)));
+        assert!(!proved(&|c| c.vertices.swap(3, 4)));
+        assert!(!proved(&|c| drop(c.vertices.remove(5))));
+        assert!(!proved(&|c| c.vertices[5][0] = &c.vertices[5][0] + q(2, 1000)));
+        assert!(!proved(&|c| c.vertices[0][2] = &c.vertices[0][2] - q(2, 1000)));
+        assert!(!proved(&|c| c.vertices[2] = c.vertices[1].clone()));
+        assert!(!proved(&|c| c.vertices.reverse()));
+        assert!(!proved(&|c| c.vertices.clear()));
+        assert!(!proved(&|c| c.vertices[1][1] = Rational::new_raw(1.into(), 0.into())));
+    }
+}
+
+/// Every certificate with a field or a line changed is none, is rejected, or proves what is true.
+#[test]
+fn mutants_prove_nothing_false() {
+    for (name, tolerance) in [("m98_5_2", 0.05), ("circle_exact", 0.2), ("m98_5_5_planar", 0.02)] {
+        let curve = file(name);
+        let spine = sampled(&curve, 200);
+        let line = made(&curve, tolerance);
+        let text = line.certificate.unwrap().encode();
+        let lines: Vec<&str> = text.lines().collect();
+        let (mut accepted, mut rejected) = (0, 0);
+        for (i, line) in lines.iter().enumerate() {
+            let fields: Vec<&str> = line.split(' ').collect();
+            let mut mutants: Vec<Option<String>> = vec![None, Some(format!("{line}\n{line}"))];
+            for (k, field) in fields.iter().enumerate() {
+                let Ok(x) = parse_rational(field) else { continue };
+                for y in [&x + int(1), &x - int(1), &x + q(1, 100), &x - q(1, 1 << 40), -&x, int(0)] {
+                    let text = to_fraction_text(&y);
+                    let mut fields = fields.clone();
+                    fields[k] = &text;
+                    mutants.push(Some(fields.join(" ")));
+                }
+            }
+            for mutant in mutants {
+                let all = lines
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(j, line)| if i == j { mutant.clone() } else { Some((*line).to_string()) });
+                let mutant: String = all.map(|line| line + "\n").collect();
+                let Ok(certificate) = Certificate::decode(mutant.as_bytes()) else { continue };
+                let claim = certificate.claim(curve.clone());
+                if mutant == text || verify(&claim, &certificate).is_err() {
+                    rejected += 1;
+                    continue;
+                }
+                accepted += 1;
+                let Statement::Polyline(claimed) = claim.statement else { panic!("another kind") };
+                let vertices: Vec<V> =
+                    claimed.vertices.iter().map(|v| v.each_ref().map(|x| x.to_f64().unwrap())).collect();
+                let most = claimed.distance.to_f64().unwrap();
+                let [far, near] = hausdorff(&spine, &vertices, name == "circle_exact");
+                assert!(far <= most * (1.0 + 1e-9) && near <= most + 1e-4, "{far} {near} {most}\n{mutant}");
+                assert!(clearance(&vertices, name == "circle_exact") > 0.0, "{mutant}");
+            }
+        }
+        println!("{name}: {accepted} accepted, {rejected} rejected");
+        assert!(accepted > 5 && rejected > 100);
+    }
+}
+
+proptest! {
+    #![proptest_config(settings(60))]
+
+    #[test]
+    fn random_spines(curve in spine_anywhere(), share in 1e-4..1.0_f64) {
+        let Ok(spine) = Spine::from_curve(curve.clone()) else { return Ok(()) };
+        let points = sampled(&curve, 30);
+        let size = points.iter().map(|p| { let d = sub(p, &points[0]); dot(&d, &d).sqrt() }).fold(0.0, f64::max);
+        let options = PolylineOptions::new().certificate(true).max_cells(100_000);
+        let tolerance = share * size;
+        if !(tolerance > 0.0 && tolerance.is_finite()) { return Ok(()) }
+        let Ok(line) = polyline(&spine, tolerance, &options) else { return Ok(()) };
+        if line.is_certified() {
+            let [far, _] = hausdorff(&points, &line.vertices, line.closed);
+            prop_assert!(far <= line.distance.hi * (1.0 + 1e-9), "{far} {:?}\n{}", line.distance, curve.to_json());
+            prop_assert!(line.certificate.is_some(), "no certificate\n{}", curve.to_json());
+            let claim = Claim { curve: curve.clone(), statement: Statement::Polyline(line.claim().unwrap()) };
+            let verdict = verify(&claim, line.certificate.as_ref().unwrap());
+            prop_assert!(verdict.is_ok(), "{}\n{}", verdict.unwrap_err(), curve.to_json());
+        }
+    }
+}
