@@ -55,10 +55,7 @@ fn edges(vertices: &[V], closed: bool) -> Vec<[V; 2]> {
 
 /// The spine in so many points for each span.
 fn sampled(curve: &Curve, count: i64) -> Vec<V> {
-    let oracle = Oracle::new(curve);
-    let spans = oracle.spans.len();
-    let at = |span: usize, t: Rational| oracle.point(span, &t).map(|x| x.to_f64().unwrap());
-    (0..spans).flat_map(|span| (0..=count).map(move |i| (span, q(i, count)))).map(|(span, t)| at(span, t)).collect()
+    Oracle::new(curve).points(count)
 }
 
 /// The greatest distance found of a point of one from the other. The samples of the spine are `gap` apart at the most.

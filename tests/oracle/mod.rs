@@ -296,6 +296,16 @@ impl Oracle {
         bend_sq(&self.exact.jet(self.spans[span], t)).map_or_else(Rational::zero, |r| r.recip())
     }
 
+    /// So many points and one of every span, in order, computed exactly.
+    pub fn points(&self, count: i64) -> Vec<[f64; 3]> {
+        let at = |k: usize, i: i64| {
+            let [from, to] = [&self.exact.knots[k], &self.exact.knots[k + 1]];
+            let t = from + (to - from) * Rational::new(i.into(), count.into());
+            self.exact.jet(k, &t)[0].each_ref().map(|x| x.to_f64().unwrap_or(f64::NAN))
+        };
+        self.spans.iter().flat_map(|k| (0..=count).map(move |i| at(*k, i))).collect()
+    }
+
     /// The number of the span that holds u.
     fn span(&self, u: f64) -> usize {
         self.ends.iter().rposition(|e| e.0 <= u).unwrap_or(0)
