@@ -16,6 +16,8 @@ pub mod enclosure;
 pub mod error;
 #[cfg(feature = "search")]
 mod integer;
+#[cfg(feature = "search")]
+mod judge;
 pub mod number;
 #[cfg(feature = "search")]
 mod options;
@@ -42,6 +44,8 @@ pub use claim::{Claim, CriticalKind, Statement};
 pub use curvature::{ConstantStretch, CriticalPoint, Curvature, CurvatureOptions, curvature};
 pub use curve::Curve;
 pub use error::{Error, ErrorKind};
+#[cfg(feature = "search")]
+pub use judge::{Check, CheckOptions, PolylineWitness, Verdict, check};
 pub use number::Rational;
 #[cfg(feature = "search")]
 pub use options::Enclosure;

@@ -13,7 +13,7 @@ use crate::search::polyline::{Course, Rail, asymptotic, course, of_control_polyg
 use crate::spine::Spine;
 
 /// The share of the proved radius of the tube that the polyline may use.
-const SHARE: f64 = 0.96;
+pub(crate) const SHARE: f64 = 0.96;
 
 options! {
     /// Options of [`polyline`](fn@crate::polyline). The relative width is that of delta, where delta is less than the tolerance.
@@ -93,10 +93,7 @@ impl Polyline {
 /// ```
 pub fn polyline(spine: &Spine, tolerance: f64, options: &PolylineOptions) -> Result<Polyline, Error> {
     options::check(options.rel_width)?;
-    if !(tolerance > 0.0 && tolerance.is_finite()) {
-        let message = format!("the tolerance must be a positive number, not {tolerance}");
-        return Err(Error::new(ErrorKind::Option, message).key("tolerance").help("give a length, for instance 0.001"));
-    }
+    positive(tolerance)?;
     let mut meter = options.meter();
     let of_tube = RadiusOptions { rel_width: options.rel_width, budget: options.budget, ..RadiusOptions::new() };
     let of_tube = RadiusOptions { cancel: options.cancel.clone(), max_cells: options.max_cells, ..of_tube };
@@ -137,13 +134,22 @@ pub fn polyline(spine: &Spine, tolerance: f64, options: &PolylineOptions) -> Res
     line.edges = found.edges.len();
     line.vertices.clone_from(&found.vertices);
     if options.certificate {
-        line.certificate = certificate(spine, &frame, &found, &line);
+        let bounds = [line.distance.hi, line.tube_radius.lo];
+        line.certificate = line.claim().and_then(|claim| proof(spine, &frame, &found, claim, bounds));
     }
     Ok(line)
 }
 
+pub(crate) fn positive(tolerance: f64) -> Result<(), Error> {
+    if tolerance > 0.0 && tolerance.is_finite() {
+        return Ok(());
+    }
+    let message = format!("the tolerance must be a positive number, not {tolerance}");
+    Err(Error::new(ErrorKind::Option, message).key("tolerance").help("give a length, for instance 0.001"))
+}
+
 /// An end of the spine.
-fn end(spine: &Spine, finish: bool) -> [Rational; 3] {
+pub(crate) fn end(spine: &Spine, finish: bool) -> [Rational; 3] {
     let segment = if finish { spine.segments.len() - 1 } else { 0 };
     let bezier = &spine.segments[segment].bezier;
     let [x, y, z, w] = bezier.point(if finish { bezier.degree() } else { 0 });
@@ -151,21 +157,25 @@ fn end(spine: &Spine, finish: bool) -> [Rational; 3] {
 }
 
 /// The parameter at a position, nearly.
-fn parameter(frame: &Frame, position: f64) -> f64 {
+pub(crate) fn parameter(frame: &Frame, position: f64) -> f64 {
     let span = (position.floor().max(0.0) as usize).min(frame.segments.len() - 1);
     let [from, to] = [&frame.knots[span], &frame.knots[span + 1]];
     let t = from + rational(position - span as f64) * (to - from);
     f64_below(&t).midpoint(f64_above(&t))
 }
 
-fn certificate(spine: &Spine, frame: &Frame, found: &Course, line: &Polyline) -> Option<Certificate> {
-    let claim = line.claim()?;
+/// The certificate of a claim, whose distance is less than what is proved of delta.
+pub(crate) fn proof(
+    spine: &Spine,
+    frame: &Frame,
+    found: &Course,
+    claim: claim::Polyline,
+    [distance, delta]: [f64; 2],
+) -> Option<Certificate> {
     let edges = found.edges.iter().map(|cuts| cuts.iter().map(|x| rational(*x)).collect()).collect();
     let ends = found.ends.map(|ends| ends.map(rational));
-    // half way between the polyline and what is proved of delta
-    let room =
-        if line.tube_radius.lo.is_finite() { line.distance.hi.midpoint(line.tube_radius.lo) } else { f64::INFINITY };
-    let tube = tube(frame, room)?;
+    // half way between the two
+    let tube = tube(frame, if delta.is_finite() { distance.midpoint(delta) } else { f64::INFINITY })?;
     let evidence = Evidence::Polyline(PolylineEvidence { claim, ends, edges, tube });
     Some(Certificate { digest: spine.curve().digest(), evidence })
 }

@@ -27,6 +27,10 @@ const TABLE: &[(&str, &[&str])] = &[
     // check: its own certificates are replayed in tests
     ("options", &["enclosure", "error", "number", "search"]),
     ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),
+    (
+        "judge",
+        &["certificate", "claim", "enclosure", "error", "number", "options", "polyline", "radius", "search", "spine"],
+    ),
     ("polyline", &["certificate", "claim", "error", "number", "options", "radius", "search", "spine"]),
     (
         "curvature",

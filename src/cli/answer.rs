@@ -34,7 +34,7 @@ pub fn statement(bytes: &[u8], curve: &Curve) -> Result<Statement, Wrong> {
         Some("pairs") => pairs,
         Some("curvature") => curvature,
         Some("squares") => squares,
-        Some("polyline") => polyline,
+        Some("polyline" | "check") => polyline,
         _ => return Err(wrong("command", "this is no answer that a certificate can prove")),
     };
     if string(root, "curve.digest")? != Some(curve.digest()) {
@@ -157,13 +157,15 @@ fn polyline(root: &RawValue) -> Result<Statement, Wrong> {
         let [x, y, z] = numbers;
         Ok([number(x)?, number(y)?, number(z)?])
     };
-    let vertices = items(root, "vertices")?.into_iter().map(vertex).collect::<Result<_, Wrong>>()?;
+    // the answer of `check` names its polyline by --polyline
+    let listed = if string(root, "command")?.as_deref() == Some("check") { vec![] } else { items(root, "vertices")? };
+    let vertices = listed.into_iter().map(vertex).collect::<Result<_, Wrong>>()?;
     let distance = bound(root, "distance.hi")?.ok_or_else(|| wrong("distance.hi", "no polyline is claimed"))?;
     Ok(Statement::Polyline(Polyline { vertices, distance }))
 }
 
 /// The values of an array.
-fn items<'a>(root: &'a RawValue, key: &str) -> Result<Vec<&'a RawValue>, Wrong> {
+pub fn items<'a>(root: &'a RawValue, key: &str) -> Result<Vec<&'a RawValue>, Wrong> {
     serde_json::from_str(member(root, key)?).map_err(|error| wrong(key, error))
 }
 

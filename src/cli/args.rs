@@ -38,6 +38,9 @@ pub enum Command {
     /// A polyline within a tolerance of the curve and isotopic to it
     #[cfg(feature = "search")]
     Polyline(PolylineArgs),
+    /// Certifies or refutes a polyline made elsewhere: is it within a tolerance of the curve and isotopic to it?
+    #[cfg(feature = "search")]
+    Check(CheckArgs),
     /// Replays a certificate in exact arithmetic: does it prove the claim about the curve?
     Verify(VerifyArgs),
     /// Prints the completion script of a shell
@@ -56,6 +59,9 @@ pub struct VerifyArgs {
     /// The claim: the JSON answer of a command; without it, the strongest that the certificate proves
     #[arg(long, value_name = "ANSWER")]
     pub answer: Option<PathBuf>,
+    /// The polyline that is claimed: .json, .csv or .obj
+    #[arg(long, value_name = "FILE")]
+    pub polyline: Option<PathBuf>,
     /// Print the verdict as JSON; a failure too
     #[arg(long)]
     pub json: bool,
@@ -132,6 +138,18 @@ pub struct PolylineArgs {
     /// Write the polyline to FILE, which ends in .json, .csv or .obj
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, clap::Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub common: Common,
+    /// The polyline: .json (a list of points, or an answer), .csv (x,y,z) or .obj (v and l lines)
+    pub polyline: PathBuf,
+    /// The greatest Frechet distance, in the curve's unit
+    #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
+    pub tolerance: f64,
 }
 
 /// The greatest f64 that is not above the number that is spelled.

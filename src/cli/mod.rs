@@ -3,6 +3,8 @@
 mod answer;
 mod args;
 #[cfg(feature = "search")]
+mod check;
+#[cfg(feature = "search")]
 mod curvature;
 #[cfg(feature = "search")]
 mod enclosed;
@@ -19,6 +21,7 @@ mod radius;
 mod squares;
 mod text;
 mod verify;
+mod vertices;
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -76,6 +79,8 @@ pub fn main() -> ExitCode {
         Command::Squares(args) => say(squares::run(&args), args.common.json),
         #[cfg(feature = "search")]
         Command::Polyline(args) => say(polyline::run(&args), args.common.json),
+        #[cfg(feature = "search")]
+        Command::Check(args) => say(check::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write

@@ -5,15 +5,16 @@ use std::time::Duration;
 
 use serde::Serialize;
 use serde_json::value::RawValue;
-use tubecert::Curve;
 use tubecert::certificate::Certificate;
 use tubecert::check::{Rejection, Verified, verify};
 use tubecert::claim::{Bounds, Claim, CriticalPoints, PairBox, Pairs, Polyline, RootBox, Statement, TwoSquares};
 use tubecert::number::{Rational, decimal_text, to_fraction_text};
+use tubecert::{Curve, ErrorKind};
 
 use super::answer::{self, Wrong};
 use super::args::VerifyArgs;
 use super::text::unit;
+use super::vertices::{same, vertices};
 use super::{DONE, Failure, REJECTED, Said, UNDECIDED, UNUSABLE, json, read};
 
 pub fn run(args: &VerifyArgs) -> Said {
@@ -37,6 +38,18 @@ pub fn run(args: &VerifyArgs) -> Said {
             Claim { curve, statement }
         }
     };
+    let claim = match &args.polyline {
+        None => claim,
+        Some(path) => {
+            let file = vertices(path)?;
+            with_polyline(claim, file, &certificate).ok_or_else(|| {
+                let help = Some("leave --polyline out, or give the certificate of polyline or check".to_string());
+                let message = "the claim is not about a polyline".to_string();
+                let file = Some(args.certificate.display().to_string());
+                Box::new(Failure { file, help, ..Failure::new(ErrorKind::Option.word(), message, UNUSABLE) })
+            })?
+        }
+    };
     let verdict = within(args.budget, &claim, certificate);
     let code = match &verdict {
         Verdict::Verified(_) => DONE,
@@ -44,6 +57,16 @@ pub fn run(args: &VerifyArgs) -> Said {
         Verdict::Undecided(_) => UNDECIDED,
     };
     Ok((if args.json { as_json(&claim, &verdict) } else { as_text(&claim, &verdict) }, code))
+}
+
+/// The claim about the polyline of a file, in the order of the certificate if that is the same one.
+fn with_polyline(claim: Claim, file: Vec<[Rational; 3]>, certificate: &Certificate) -> Option<Claim> {
+    let Claim { curve, statement: Statement::Polyline(claimed) } = claim else { return None };
+    let vertices = match certificate.claim(curve.clone()).statement {
+        Statement::Polyline(Polyline { vertices, .. }) if same(&vertices, &file) => vertices,
+        _ => file,
+    };
+    Some(Claim { curve, statement: Statement::Polyline(Polyline { vertices, ..claimed }) })
 }
 
 #[allow(clippy::large_enum_variant, reason = "there is one")]

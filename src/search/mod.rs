@@ -8,6 +8,7 @@ pub(crate) mod curvature;
 pub(crate) mod dyadic;
 pub(crate) mod ends;
 pub(crate) mod evidence;
+pub(crate) mod follow;
 pub(crate) mod frame;
 pub(crate) mod kappa;
 pub(crate) mod meter;

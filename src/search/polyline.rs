@@ -1,6 +1,7 @@
 //! A polyline that runs along the spine: theory.md, section 7, Theorem P'. Each edge is as long as the tolerance allows, and is
 //! proved as it is made, in intervals: for the vertex that is printed, and any number within one step of it.
 
+use super::dyadic::power_of_two;
 use super::frame::Frame;
 use super::meter::Meter;
 use crate::enclosure::Interval;
@@ -11,7 +12,7 @@ use crate::spine::Bezier;
 pub(crate) type Point = [Interval; 3];
 
 /// How far the arc of an edge reaches beyond its vertices, as a share of its length.
-const REACH: f64 = 1.0 / 32.0;
+pub(crate) const REACH: f64 = 1.0 / 32.0;
 /// An edge is long enough if the bound of its distance is this share of what is allowed.
 const FULL: f64 = 0.94;
 /// So often an edge is tried.
@@ -31,6 +32,8 @@ struct Span {
     r: Vec<Point>,
     /// Empty for a constant weight.
     w: Vec<Interval>,
+    /// (r, w), nearly.
+    near: Vec<[f64; 4]>,
     /// |C'| at both ends, nearly.
     speed: [f64; 2],
 }
@@ -48,15 +51,15 @@ pub(crate) struct Course {
     pub(crate) distance: f64,
 }
 
-fn sub(a: &Point, b: &Point) -> Point {
+pub(crate) fn sub(a: &Point, b: &Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn dot(a: &Point, b: &Point) -> Interval {
+pub(crate) fn dot(a: &Point, b: &Point) -> Interval {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn square(a: &Point) -> Interval {
+pub(crate) fn square(a: &Point) -> Interval {
     a[0].sqr() + a[1].sqr() + a[2].sqr()
 }
 
@@ -80,7 +83,8 @@ impl Span {
             n as f64 * weight(j) / weight(i) * leg.iter().map(|x| x * x).sum::<f64>().sqrt()
         };
         let speed = [speed(0, 1), speed(n, n - 1)];
-        Self { r, w, speed }
+        let near = (0..=n).map(|i| [r[i][0].mid(), r[i][1].mid(), r[i][2].mid(), weight(i)]).collect();
+        Self { r, w, near, speed }
     }
 
     /// The control points, and weights, of the part from p to q.
@@ -135,7 +139,7 @@ impl<'a> Rail<'a> {
         self.frame.scale.clamp(-5000, 5000) as i32
     }
 
-    fn snapped(&self, position: f64) -> f64 {
+    pub(crate) fn snapped(&self, position: f64) -> f64 {
         (position / self.unit).round() * self.unit
     }
 
@@ -163,6 +167,56 @@ impl<'a> Rail<'a> {
         [0, 1, 2].map(|k| (Interval::point(at[k].mid()).scale2(-self.scale()) + self.origin[k]).mid())
     }
 
+    /// A point of the spine in the box, nearly; beyond the ends of an open one its polynomials go on.
+    pub(crate) fn place(&self, position: f64) -> [f64; 3] {
+        let (span, t) = self.local(position, false);
+        let mut c = self.spans[span].near.clone();
+        for level in (1..c.len()).rev() {
+            for i in 0..level {
+                c[i] = std::array::from_fn(|k| (1.0 - t) * c[i][k] + t * c[i + 1][k]);
+            }
+        }
+        [0, 1, 2].map(|k| c[0][k] / c[0][3])
+    }
+
+    /// What a point of the box is in the curve's own coordinates.
+    pub(crate) fn outside(&self, x: &Point) -> Point {
+        [0, 1, 2].map(|k| x[k].scale2(-self.scale()) + self.origin[k])
+    }
+
+    /// The vertex that three exact numbers are, in the box.
+    pub(crate) fn exact(&self, v: &[Rational; 3]) -> Point {
+        let at = |k: usize| {
+            let x = (&v[k] - &self.frame.origin[k]) * power_of_two(self.frame.scale);
+            Interval::from_ratio(x.numer(), x.denom())
+        };
+        [at(0), at(1), at(2)]
+    }
+
+    /// The disk of a point is between two positions, if the spine between them is no farther from it than this.
+    pub(crate) fn bracket(&self, x: &Point, from: f64, to: f64) -> Option<f64> {
+        let cuts = self.cuts(from, to);
+        let mut most = 0.0_f64;
+        for (k, pair) in cuts.windows(2).enumerate() {
+            let ((span, p), (_, q)) = (self.local(pair[0], false), self.local(pair[1], true));
+            let points = cartesian(&self.spans[span].part(p, q))?;
+            let n = points.len() - 1;
+            most = points.iter().map(|point| square(&sub(point, x)).hi()).fold(most, f64::max);
+            let behind = dot(&sub(x, &points[0]), &sub(&points[1], &points[0]));
+            let ahead = dot(&sub(&points[n], x), &sub(&points[n], &points[n - 1]));
+            if (k == 0 && !behind.is_positive()) || (k + 2 == cuts.len() && !ahead.is_positive()) {
+                return None;
+            }
+        }
+        Some(Interval::point(most).sqrt().hi())
+    }
+
+    /// The spine at a position, enclosed, in the box.
+    pub(crate) fn enclosed(&self, position: f64) -> Point {
+        let (span, t) = self.local(position, false);
+        self.at(span, t)
+    }
+
     fn at(&self, span: usize, t: f64) -> Point {
         let (r, w) = self.spans[span].part(0.0, t);
         let last = r.len() - 1;
@@ -173,7 +227,7 @@ impl<'a> Rail<'a> {
     }
 
     /// A position moved by a step of its own span; beyond a joint the step is about as long.
-    fn moved(&self, position: f64, by: f64) -> f64 {
+    pub(crate) fn moved(&self, position: f64, by: f64) -> f64 {
         let to = position + by;
         let (joint, beyond) = match by > 0.0 {
             true => (position.floor() + 1.0, position.floor() + 1.0 < to),
@@ -196,7 +250,7 @@ impl<'a> Rail<'a> {
     }
 
     /// The cuts of an arc: its ends, the joints inside, its middle.
-    fn cuts(&self, from: f64, to: f64) -> Vec<f64> {
+    pub(crate) fn cuts(&self, from: f64, to: f64) -> Vec<f64> {
         let mut cuts = vec![from, to, self.snapped(from.midpoint(to))];
         let (mut joint, last) = (from.floor() + 1.0, to);
         while joint < last {
@@ -242,7 +296,7 @@ impl<'a> Rail<'a> {
 
     /// The arc from one position to the other, one of them an end of the spine, is no farther from a vertex than this, whose
     /// disk lies on it.
-    fn covered(&self, vertex: &Point, [from, to]: [f64; 2], at_start: bool) -> Option<f64> {
+    pub(crate) fn covered(&self, vertex: &Point, [from, to]: [f64; 2], at_start: bool) -> Option<f64> {
         let ((span, p), (_, q)) = (self.local(from, false), self.local(to, true));
         let points = cartesian(&self.spans[span].part(p, q))?;
         let n = points.len() - 1;

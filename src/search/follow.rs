@@ -1,0 +1,151 @@
+//! A polyline made elsewhere: where its vertices belong on the spine, and witnesses against it.
+
+use super::meter::Meter;
+use super::polyline::{Point, Rail};
+use super::tree::{Id, Tree, V3, dot, norm, sub};
+use crate::enclosure::Interval;
+
+/// Steps of Newton's method.
+const STEPS: usize = 40;
+/// Samples of a span where a foot is looked for without a neighbour that is known.
+const SAMPLES: usize = 24;
+/// Points of an edge that are looked at when it cannot be proved.
+pub(crate) const INNER: usize = 16;
+
+pub(crate) struct Follower<'a> {
+    rail: &'a Rail<'a>,
+    closed: bool,
+    /// Positions and points all along.
+    samples: Vec<(f64, V3)>,
+}
+
+/// Where the polyline runs: for each vertex a position, increasing.
+pub(crate) struct Feet {
+    pub(crate) positions: Vec<f64>,
+    /// Was the polyline turned round?
+    pub(crate) reversed: bool,
+}
+
+impl<'a> Follower<'a> {
+    pub(crate) fn new(rail: &'a Rail, closed: bool) -> Self {
+        let spans = rail.count() as usize;
+        let place = |i: usize| i as f64 / SAMPLES as f64;
+        let samples = (0..=spans * SAMPLES).map(|i| (place(i), rail.place(place(i))));
+        Self { rail, closed, samples: samples.collect() }
+    }
+
+    /// (x - C).C' and an estimate of how it falls, at a position.
+    fn slope(&self, x: &V3, position: f64) -> (f64, f64) {
+        let h = 1e-6;
+        let (a, b, c) = (self.rail.place(position - h), self.rail.place(position), self.rail.place(position + h));
+        let first: V3 = [0, 1, 2].map(|k| (c[k] - a[k]) / (2.0 * h));
+        let second: V3 = [0, 1, 2].map(|k| (c[k] - 2.0 * b[k] + a[k]) / (h * h));
+        let away = sub(x, &b);
+        (dot(&away, &first), dot(&first, &first) - dot(&away, &second).min(0.5 * dot(&first, &first)))
+    }
+
+    fn held(&self, position: f64) -> f64 {
+        if self.closed { position } else { position.clamp(0.0, self.rail.count()) }
+    }
+
+    /// A foot of x near a position, and its distance.
+    pub(crate) fn foot(&self, x: &V3, near: f64) -> (f64, f64) {
+        let mut at = self.held(near);
+        for _ in 0..STEPS {
+            let (along, rate) = self.slope(x, at);
+            let step = (along / rate).clamp(-0.25, 0.25);
+            let next = self.held(at + step);
+            if (next - at).abs() <= 1e-13 * (1.0 + at.abs()) {
+                at = next;
+                break;
+            }
+            at = next;
+        }
+        (at, norm(&sub(x, &self.rail.place(at))))
+    }
+
+    /// The nearest foot of all that are found.
+    pub(crate) fn nearest(&self, x: &V3) -> (f64, f64) {
+        let far = |p: &V3| norm(&sub(x, p));
+        let mut local: Vec<(f64, f64)> = vec![];
+        for (k, (at, p)) in self.samples.iter().enumerate() {
+            let d = far(p);
+            let less = |other: Option<&(f64, V3)>| other.is_none_or(|(_, q)| d <= far(q));
+            if less(k.checked_sub(1).and_then(|k| self.samples.get(k))) && less(self.samples.get(k + 1)) {
+                local.push((d, *at));
+            }
+        }
+        local.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let feet = local.iter().take(4).map(|(_, at)| self.foot(x, *at));
+        feet.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, f64::INFINITY))
+    }
+
+    /// The feet of all vertices, one after the other; `None` where they do not go one way.
+    pub(crate) fn feet(&self, vertices: &[V3], reach: f64, meter: &mut Meter) -> Option<Feet> {
+        let (start, _) = self.nearest(&vertices[0]);
+        let count = self.rail.count();
+        // the direction by the first step
+        let (second, _) = self.foot(&vertices[1], start);
+        let mut forward = second > start;
+        if !self.closed {
+            forward = self.nearest(&vertices[vertices.len() - 1]).0 > start;
+        }
+        let order: Vec<usize> = match (forward, self.closed) {
+            (true, _) => (0..vertices.len()).collect(),
+            (false, false) => (0..vertices.len()).rev().collect(),
+            (false, true) => [0].into_iter().chain((1..vertices.len()).rev()).collect(),
+        };
+        let mut positions = Vec::with_capacity(order.len());
+        let mut at = self.nearest(&vertices[order[0]]).0;
+        positions.push(at);
+        for pair in order.windows(2) {
+            if !meter.tick() {
+                return None;
+            }
+            let (from, to) = (&vertices[pair[0]], &vertices[pair[1]]);
+            let d = sub(to, from);
+            let speed = self.speed(at);
+            let (mut next, mut off) = self.foot(to, at + (norm(&d) / speed).min(0.25));
+            if off > reach || next <= at {
+                let (other, far) = self.nearest(to);
+                let lifted = if self.closed { other + ((at - other) / count).ceil() * count } else { other };
+                (next, off) = (lifted, far);
+            }
+            if next <= at || off > reach * 4.0 {
+                return None;
+            }
+            at = next;
+            positions.push(at);
+        }
+        let once = !self.closed || positions[positions.len() - 1] < positions[0] + count;
+        once.then_some(Feet { positions, reversed: !forward })
+    }
+
+    fn speed(&self, position: f64) -> f64 {
+        let h = 1e-4;
+        norm(&sub(&self.rail.place(position + h), &self.rail.place(position))) / h
+    }
+}
+
+/// Is every point of the spine farther than `limit` from x? Proved if true; false may be unknown.
+pub(crate) fn all_farther(tree: &mut Tree, x: &Point, limit: f64, meter: &mut Meter) -> bool {
+    let middle: V3 = x.map(Interval::mid);
+    let spread = x.iter().map(|x| (x.hi() - x.lo()).max(0.0)).fold(0.0, f64::max) * 2.0 + 1e-14;
+    let mut open: Vec<Id> = vec![tree.root()];
+    let mut patience = 20_000;
+    while let Some(id) = open.pop() {
+        let node = tree.node(id);
+        let gap = norm(&sub(&middle, &node.mid)) * (1.0 - 1e-12) - node.rad - spread;
+        if gap > limit {
+            continue;
+        }
+        // a ball that small, that near: the point is not farther
+        patience -= 1;
+        if node.rad < 1e-9 * limit || patience == 0 || !meter.tick() {
+            return false;
+        }
+        let Some((a, b)) = tree.children(id) else { return false };
+        open.extend([a, b]);
+    }
+    true
+}
