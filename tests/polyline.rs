@@ -12,9 +12,10 @@ use proptest::prelude::*;
 use random::*;
 use shapes::*;
 use tubecert::claim::Polyline as Claimed;
-use tubecert::number::{parse_rational, to_fraction_text};
+use tubecert::number::{parse_rational, rational_from_f64, to_fraction_text};
 use tubecert::{
-    Certificate, Claim, Curve, ErrorKind, Polyline, PolylineOptions, Rational, Spine, Statement, polyline, verify,
+    Certificate, Check, CheckOptions, Claim, Curve, ErrorKind, Polyline, PolylineOptions, Rational, Spine, Statement,
+    Verdict, check, polyline, verify,
 };
 
 type V = [f64; 3];
@@ -343,6 +344,185 @@ fn mutants_prove_nothing_false() {
         }
         println!("{name}: {accepted} accepted, {rejected} rejected");
         assert!(accepted > 5 && rejected > 100);
+    }
+}
+
+type Vertex = [Rational; 3];
+
+fn judged(curve: &Curve, vertices: &[Vertex], tolerance: f64) -> Check {
+    let spine = Spine::from_curve(curve.clone()).unwrap();
+    check(&spine, vertices, tolerance, &CheckOptions::new().certificate(true)).unwrap()
+}
+
+fn near(vertices: &[Vertex]) -> Vec<V> {
+    vertices.iter().map(|v| v.each_ref().map(|x| x.to_f64().unwrap())).collect()
+}
+
+fn shifted(v: &Vertex, by: [f64; 3]) -> Vertex {
+    std::array::from_fn(|k| &v[k] + rational_from_f64(by[k]).unwrap())
+}
+
+#[test]
+fn its_own_polylines_are_certified_wherever_they_start() {
+    for name in ["m98_5_2", "trefoil", "circle_exact", "m98_5_3"] {
+        let curve = file(name);
+        for tolerance in [10.0, 1e-2, 1e-4] {
+            let line = made(&curve, tolerance);
+            let vertices = line.claim().unwrap().vertices;
+            let mut backwards = vertices.clone();
+            backwards.reverse();
+            let mut list = vec![vertices.clone(), backwards];
+            if line.closed {
+                let mut later = vertices.clone();
+                later.rotate_left(vertices.len() / 3);
+                later.push(later[0].clone());
+                list.push(later);
+            }
+            // a little off the spine
+            let off = 0.02 * line.distance.hi;
+            let wavy = |(k, v): (usize, &Vertex)| shifted(v, [off * f64::from(k as u32 % 3) - off, 0.0, off]);
+            let inner = 1..vertices.len() - usize::from(!line.closed);
+            let mut moved = vertices.clone();
+            for k in inner {
+                moved[k] = wavy((k, &vertices[k]));
+            }
+            list.push(moved);
+            for vertices in list {
+                let answer = judged(&curve, &vertices, 1.1 * tolerance);
+                assert_eq!(answer.verdict, Verdict::Certified, "{name} {tolerance} {answer:?}");
+                let claim = Claim { curve: curve.clone(), statement: Statement::Polyline(answer.claim.unwrap()) };
+                verify(&claim, &answer.certificate.unwrap()).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_polylines_are_refuted() {
+    for (name, tolerance) in
+        [("m98_5_2", 1e-2), ("trefoil", 1e-2), ("circle_exact", 1e-3), ("trefoil", 0.45), ("m98_5_3", 1e-3)]
+    {
+        let curve = file(name);
+        let line = made(&curve, tolerance);
+        let vertices = line.claim().unwrap().vertices;
+        let closed = line.closed;
+        let refuted = |what: &str, vertices: &[Vertex]| {
+            let answer = judged(&curve, vertices, tolerance);
+            assert_eq!(answer.verdict, Verdict::Refuted, "{name} {tolerance} {what}: {answer:?}");
+            assert!(answer.witness.is_some() && answer.claim.is_none());
+        };
+        let with = |change: &dyn Fn(&mut Vec<Vertex>)| {
+            let mut vertices = vertices.clone();
+            change(&mut vertices);
+            vertices
+        };
+        let k = vertices.len() / 2;
+        refuted("a vertex moved by 2T", &with(&|v| v[k] = shifted(&v[k], [0.0, 0.0, 2.0 * tolerance])));
+        if vertices.len() > 9 {
+            refuted("two swapped", &with(&|v| v.swap(k, k + 1)));
+            refuted(
+                "an edge doubled back",
+                &with(&|v| {
+                    let back = v[k - 1].clone();
+                    let again = v[k].clone();
+                    v.splice(k + 1..k + 1, [back, again]);
+                }),
+            );
+            refuted("a part left out", &with(&|v| drop(v.drain(2..v.len() / 2))));
+            if !closed {
+                refuted("an end left out", &with(&|v| drop(v.drain(..v.len() / 2))));
+            }
+        }
+        refuted("another curve", &made(&file("m98_5_4"), 1e-2).claim().unwrap().vertices);
+    }
+}
+
+/// A strand of the trefoil led through another one, the tolerance coarse: another knot, though everywhere near.
+#[test]
+fn a_changed_crossing_is_refuted() {
+    let curve = file("trefoil");
+    let fine = made(&curve, 1e-2);
+    let vertices = fine.vertices;
+    // the two places that are nearest to one another along z
+    let n = vertices.len();
+    let apart = |i: usize, j: usize| (j + n - i) % n > n / 8 && (i + n - j) % n > n / 8;
+    let flat = |i: usize, j: usize| (vertices[i][0] - vertices[j][0]).hypot(vertices[i][1] - vertices[j][1]);
+    let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| apart(*i, *j));
+    let (i, j) = pairs.min_by(|a, b| flat(a.0, a.1).total_cmp(&flat(b.0, b.1))).unwrap();
+    let drop = 1.5 * (vertices[j][2] - vertices[i][2]);
+    let mut changed = vertices.clone();
+    for (k, v) in changed.iter_mut().enumerate() {
+        let away = ((k + n - i) % n).min((i + n - k) % n) as f64;
+        v[2] += drop * (1.0 - away / 5.0).max(0.0);
+    }
+    assert_eq!((determinant(&vertices), determinant(&changed)), (3, 1));
+    let exact: Vec<Vertex> = changed.iter().map(|v| v.map(|x| rational_from_f64(x).unwrap())).collect();
+    let answer = judged(&curve, &exact, 5.0);
+    assert_eq!(answer.verdict, Verdict::Refuted, "{answer:?}");
+}
+
+#[test]
+fn unusable_polylines() {
+    let spine = Spine::from_curve(file("m98_5_2")).unwrap();
+    let kind = |vertices: &[Vertex], tolerance: f64| {
+        check(&spine, vertices, tolerance, &CheckOptions::new()).unwrap_err().kind
+    };
+    let point = [int(0), int(0), int(0)];
+    assert_eq!(kind(&[], 1.0), ErrorKind::Option);
+    assert_eq!(kind(std::slice::from_ref(&point), 1.0), ErrorKind::Option);
+    assert_eq!(kind(&[point.clone(), point.clone(), point.clone()], 1.0), ErrorKind::Option);
+    assert_eq!(kind(&[point.clone(), [int(1), int(1), int(1)]], f64::NAN), ErrorKind::Option);
+}
+
+#[test]
+fn many_vertices_end() {
+    let curve = file("m98_5_2");
+    let many: Vec<Vertex> = (0..200_000).map(|k| [q(k, 1000), q(k * k % 97, 10), int(0)]).collect();
+    assert_eq!(judged(&curve, &many, 1e-3).verdict, Verdict::Refuted);
+    let still: Vec<Vertex> = (0..200_000).map(|k| [q(k % 2, 1_000_000), int(0), int(0)]).collect();
+    assert_ne!(judged(&curve, &still, 1e-3).verdict, Verdict::Certified);
+}
+
+proptest! {
+    #![proptest_config(settings(150))]
+
+    /// No polyline that the samples find wrong is certified.
+    #[test]
+    fn wrong_ones_are_never_certified(
+        name in prop::sample::select(vec!["m98_5_2", "trefoil", "circle_exact", "m98_5_5_planar", "m98_5_3"]),
+        tolerance in prop::sample::select(vec![0.5, 0.1, 0.02]),
+        edits in prop::collection::vec((0..4_u8, any::<prop::sample::Index>(), any::<prop::sample::Index>(), -3.0..3.0_f64), 1..4),
+    ) {
+        let curve = file(name);
+        let mut vertices = made(&curve, tolerance).claim().unwrap().vertices;
+        for (kind, i, j, by) in edits {
+            let (i, j) = (i.index(vertices.len()), j.index(vertices.len()));
+            match kind {
+                0 => vertices[i] = shifted(&vertices[i], [by * tolerance, 0.3 * by * tolerance, 0.0]),
+                1 => vertices.swap(i, j),
+                2 if vertices.len() > 4 => drop(vertices.remove(i)),
+                _ => vertices.insert(i, vertices[j].clone()),
+            }
+        }
+        let answer = judged(&curve, &vertices, tolerance);
+        let (closed, points) = (name == "trefoil" || name == "circle_exact", near(&vertices));
+        let [far, back] = hausdorff(&sampled(&curve, 100), &points, closed);
+        let wrong = far > tolerance * (1.0 + 1e-9) || back > tolerance + 1e-3;
+        let crossed = answer.verdict == Verdict::Certified && {
+            let mut points = points.clone();
+            points.dedup();
+            if closed && points.first() == points.last() { points.pop(); }
+            clearance(&points, closed) <= 0.0 || (name == "trefoil" && determinant(&points) != 3)
+        };
+        if wrong || crossed {
+            prop_assert_ne!(answer.verdict, Verdict::Certified, "{:?} {:?}", answer, points);
+        }
+        if answer.verdict == Verdict::Refuted && answer.reason == "farther_than_tolerance" {
+            prop_assert!(back > tolerance * (1.0 - 1e-9) - 1e-9, "{:?}", answer);
+        }
+        if answer.verdict == Verdict::Refuted && answer.reason == "spine_passed_over" {
+            prop_assert!(far > tolerance * 0.98, "{} {:?}", far, answer);
+        }
     }
 }
 
