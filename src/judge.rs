@@ -1,8 +1,10 @@
 //! The verdict on a polyline made elsewhere (theory.md, section 7).
 
 use crate::certificate::Certificate;
+use crate::claim;
+use crate::enclosure::Interval;
 use crate::error::{Error, ErrorKind};
-use crate::number::{Rational, f64_above, f64_below, rational_from_f64};
+use crate::number::{Rational, f64_above, f64_below, parse_rational, rational_from_f64, upper_text};
 use crate::options::{self, Enclosure, options};
 use crate::polyline::{SHARE, end, proof};
 use crate::radius::{RadiusOptions, radius};
@@ -10,10 +12,9 @@ use crate::search::dyadic::power_of_two;
 use crate::search::follow::{Feet, Follower, INNER, all_farther};
 use crate::search::frame::Frame;
 use crate::search::meter::{Meter, Stop};
-use crate::search::polyline::{Course, Point, REACH, Rail, dot, square, sub};
+use crate::search::polyline::{Course, Point, REACH, Rail, dot, rational, square, sub, together};
 use crate::search::tree::Tree;
 use crate::spine::Spine;
-use crate::{claim, enclosure::Interval};
 
 options! {
     /// Options of [`check`](fn@crate::check). The relative width is that of delta.
@@ -26,7 +27,7 @@ options! {
 pub enum Verdict {
     /// It is within the tolerance of the spine, and isotopic to it in its tube.
     Certified,
-    /// It is not: there is a witness.
+    /// It is not, or does not meet each normal disk once, in order: there is a witness.
     Refuted,
     /// Neither is proved.
     Undecided,
@@ -50,9 +51,9 @@ impl Verdict {
 pub struct PolylineWitness {
     /// `vertex`, `edge` (a point of it), `spine` (a point of the curve).
     pub kind: &'static str,
-    /// The edge, from 0; it starts at the vertex of that number.
+    /// The edge, from 0; it starts at the vertex of that number, as given. For the last vertex of an open polyline, the last edge.
     pub edge: Option<usize>,
-    /// A parameter of the curve, in its knots.
+    /// The parameter of the point of the spine, or of the normal disk of the point of the polyline, in the curve's knots.
     pub t: Option<Enclosure>,
     /// The point.
     pub point: Option<[Enclosure; 3]>,
@@ -110,11 +111,13 @@ pub fn check(
 ) -> Result<Check, Error> {
     options::check(options.rel_width)?;
     crate::polyline::positive(tolerance)?;
-    let mut vertices = vertices.to_vec();
-    vertices.dedup();
-    if spine.closed && vertices.len() > 1 && vertices.first() == vertices.last() {
-        vertices.pop();
+    // a point listed twice in a row counts once
+    let again = |k: &usize| *k > 0 && vertices[*k] == vertices[k - 1];
+    let mut numbers: Vec<usize> = (0..vertices.len()).filter(|k| !again(k)).collect();
+    if spine.closed && numbers.len() > 1 && vertices.first() == vertices.last() {
+        numbers.pop();
     }
+    let mut vertices: Vec<[Rational; 3]> = numbers.iter().map(|k| vertices[*k].clone()).collect();
     if vertices.len() < 2 {
         return Err(Error::new(ErrorKind::Option, "a polyline has two different vertices or more")
             .key("vertices")
@@ -135,9 +138,11 @@ pub fn check(
         follower: Follower::new(&rail, spine.closed),
         middles: points.iter().map(|point| point.map(Interval::mid)).collect(),
         points,
+        numbers,
         exact: [0, vertices.len() - 1].map(|k| [false, true].map(|finish| vertices[k] == end(spine, finish))),
         limit: boxed(tolerance, f64_below).min(SHARE * boxed(delta.lo, f64_below)),
-        tolerance: boxed(tolerance, f64_above),
+        // a decimal that was rounded down to this f64 is below the next
+        tolerance: boxed(tolerance.next_up(), f64_above),
         tube: [boxed(delta.lo, f64_below), boxed(delta.hi, f64_above)],
     };
     let mut meter = options.meter();
@@ -165,8 +170,8 @@ pub fn check(
             }
             let most = rational_from_f64(course.distance).map_or(f64::INFINITY, |x| f64_above(&frame.length(&x)));
             answer.distance.hi = most;
-            let distance = crate::number::parse_rational(&crate::number::upper_text(most)).unwrap_or_default();
-            let claim = claim::Polyline { vertices, distance };
+            let distance = parse_rational(&upper_text(most))?;
+            let claim = claim::Polyline { vertices, closed: spine.closed, distance };
             if options.certificate {
                 answer.certificate = proof(spine, &frame, &course, claim.clone(), [most, delta.lo]);
             }
@@ -174,7 +179,8 @@ pub fn check(
         }
         Err((reason, edge)) => {
             answer.reason = reason;
-            answer.witness = edge.map(|edge| PolylineWitness { kind: "edge", edge: Some(edge), t: None, point: None });
+            answer.witness =
+                edge.map(|edge| PolylineWitness { kind: "edge", edge: Some(job.numbers[edge]), t: None, point: None });
             if let Some((reason, witness)) = job.refuted(edge, &mut meter) {
                 (answer.verdict, answer.reason, answer.witness) = (Verdict::Refuted, reason, Some(witness));
                 if reason == "farther_than_tolerance" || reason == "spine_passed_over" {
@@ -194,6 +200,8 @@ struct Job<'a> {
     /// In the box.
     points: Vec<Point>,
     middles: Vec<[f64; 3]>,
+    /// Of the vertices as they were given.
+    numbers: Vec<usize>,
     /// Whether the first vertex, and the last, is exactly the start, or the finish.
     exact: [[bool; 2]; 2],
     /// So near each edge must be.
@@ -208,6 +216,10 @@ type Refutation = (&'static str, PolylineWitness);
 impl Job<'_> {
     fn closed(&self) -> bool {
         self.frame.closed
+    }
+
+    fn edges(&self) -> usize {
+        self.points.len() - usize::from(!self.closed())
     }
 
     /// The proof, and whether the vertices were turned round; or what was not proved, and of which edge.
@@ -229,7 +241,7 @@ impl Job<'_> {
         // the first vertex is the start, the last the finish
         let exact = |finish: bool| !self.closed() && self.exact[usize::from(finish != reversed)][usize::from(finish)];
         let (mut edges, mut most) = (vec![], 0.0_f64);
-        let all = n - usize::from(!self.closed());
+        let all = self.edges();
         for k in 0..all {
             let (from, to) = (&self.points[number(k)], &self.points[number(k + 1)]);
             let start = positions[k];
@@ -250,6 +262,9 @@ impl Job<'_> {
             let (cuts, off) = proved.ok_or(("edge_not_proved", Some(edge_number(k))))?;
             most = most.max(off);
             edges.push(cuts);
+        }
+        if self.closed() && !together(&edges, count) {
+            return Err(("no_order", None));
         }
         let mut ends = None;
         if !self.closed() {
@@ -286,8 +301,7 @@ impl Job<'_> {
                 return Some(found);
             }
         }
-        let n = self.points.len();
-        let edges = n - usize::from(!self.closed());
+        let (n, edges) = (self.points.len(), self.edges());
         // the edge that stopped the proof, else all if they are few
         let suspects: Vec<usize> = match edge {
             Some(edge) => (edge.saturating_sub(1)..(edge + 2).min(edges)).collect(),
@@ -325,7 +339,7 @@ impl Job<'_> {
             return None;
         }
         let least = self.tolerance.min(self.tube[1]);
-        let (position, off) = self.follower.nearest(middle);
+        let (_, off) = self.follower.nearest(middle);
         if off <= least {
             return None;
         }
@@ -338,28 +352,32 @@ impl Job<'_> {
         } else {
             return None;
         };
-        Some((reason, self.witness(kind, Some(edge), Some(position), point)))
+        Some((reason, self.witness(kind, Some(edge), None, point)))
     }
 
     fn witness(
         &self,
         kind: &'static str,
         edge: Option<usize>,
-        position: Option<f64>,
+        places: Option<[f64; 2]>,
         point: &Point,
     ) -> PolylineWitness {
         let point = self.rail.outside(point).map(|x| Enclosure { lo: x.lo(), hi: x.hi() });
-        let t = position.map(|position| {
-            let t = crate::polyline::parameter(self.frame, position.rem_euclid(self.rail.count()));
-            Enclosure { lo: t.next_down(), hi: t.next_up() }
-        });
+        let parameter = |position: f64| {
+            let span = (position.floor().max(0.0) as usize).min(self.frame.segments.len() - 1);
+            let [from, to] = [&self.frame.knots[span], &self.frame.knots[span + 1]];
+            from + rational(position - span as f64) * (to - from)
+        };
+        let turned = |low: f64| if self.closed() { low.rem_euclid(self.rail.count()) - low } else { 0.0 };
+        let places = places.map(|[low, high]| [low + turned(low), high + turned(low)]);
+        let t = places.map(|[low, high]| Enclosure { lo: f64_below(&parameter(low)), hi: f64_above(&parameter(high)) });
+        let edge = edge.map(|edge| self.numbers[edge.min(self.edges() - 1)]);
         PolylineWitness { kind, edge, t, point: Some(point) }
     }
 
     /// A point of the spine is farther than the tolerance from all edges.
     fn passed_over(&self, meter: &mut Meter) -> Option<Refutation> {
-        let n = self.points.len();
-        let edges = n - usize::from(!self.closed());
+        let (n, edges) = (self.points.len(), self.edges());
         let spans = self.rail.count() as usize;
         let samples = (200_000_000 / edges / spans).clamp(1, 64);
         let near = |p: &[f64; 3], k: usize| {
@@ -378,15 +396,26 @@ impl Job<'_> {
             let place = self.rail.place(position);
             let square_of = self.tolerance * self.tolerance * (1.0 + 1e-9);
             if (0..edges).all(|k| near(&place, k) > square_of) {
-                let point = self.rail.enclosed(self.rail.snapped(position));
+                let position = self.rail.snapped(position);
+                let point = self.rail.enclosed(position);
                 let proved =
                     (0..edges).all(|k| farther(&point, &self.points[k], &self.points[(k + 1) % n], self.tolerance));
                 if proved {
-                    return Some(("spine_passed_over", self.witness("spine", None, Some(position), &point)));
+                    return Some(("spine_passed_over", self.witness("spine", None, Some([position; 2]), &point)));
                 }
             }
         }
         None
+    }
+
+    /// Have two brackets no parameter in common, whole turns apart?
+    fn apart(&self, a: &[f64; 2], b: &[f64; 2]) -> bool {
+        if !self.closed() {
+            return a[1] < b[0] || b[1] < a[0];
+        }
+        let (gap, both) = (b[0].midpoint(b[1]) - a[0].midpoint(a[1]), (b[1] - b[0]) + (a[1] - a[0]));
+        let gap = gap.rem_euclid(self.rail.count());
+        both < gap && gap < self.rail.count() - both
     }
 
     /// Points of the polyline lie in disks of the tube that do not follow one another as those of the spine do.
@@ -408,7 +437,7 @@ impl Job<'_> {
                 (most < self.tube[0]).then_some([low, high])
             });
             let Some(bracket) = bracket else { continue };
-            let apart = disks.last().is_none_or(|([low, high], ..)| bracket[1] < *low || *high < bracket[0]);
+            let apart = disks.last().is_none_or(|(last, ..)| self.apart(last, &bracket));
             if apart {
                 disks.push((bracket, *edge, *point));
             }
@@ -422,16 +451,15 @@ impl Job<'_> {
             }
             let forward = steps.iter().filter(|x| **x > 0.0).count() * 2 >= steps.len();
             let wrong = steps.iter().position(|x| (*x < 0.0) == forward)?;
-            let ([low, high], edge, point) = &disks[wrong + 1];
-            return Some(("doubles_back", self.witness("edge", Some(*edge), Some(low.midpoint(*high)), point)));
+            let (bracket, edge, point) = &disks[wrong + 1];
+            return Some(("doubles_back", self.witness("edge", Some(*edge), Some(*bracket), point)));
+        }
+        while disks.len() > 2 && !self.apart(&disks[disks.len() - 1].0, &disks[0].0) {
+            disks.pop();
+            steps.pop();
         }
         if disks.len() < 3 {
             return None;
-        }
-        let wrap = middle(&disks[0].0) - middle(&disks[disks.len() - 1].0);
-        if wrap.rem_euclid(count) < 1e-3 || wrap.rem_euclid(count) > count - 1e-3 {
-            disks.pop();
-            steps.pop();
         }
         steps.push(middle(&disks[0].0) - middle(&disks[disks.len() - 1].0));
         // forward all the way, or back all the way: once round
@@ -442,8 +470,8 @@ impl Job<'_> {
         let forward = turns * 2 <= steps.len();
         let against = |x: &f64| (x.rem_euclid(count) > 0.5 * count) == forward;
         let wrong = steps.iter().position(against).unwrap_or(0);
-        let ([low, high], edge, point) = &disks[(wrong + 1) % disks.len()];
-        Some(("doubles_back", self.witness("edge", Some(*edge), Some(low.midpoint(*high)), point)))
+        let (bracket, edge, point) = &disks[(wrong + 1) % disks.len()];
+        Some(("doubles_back", self.witness("edge", Some(*edge), Some(*bracket), point)))
     }
 }
 

@@ -25,9 +25,9 @@ options! {
 #[non_exhaustive]
 pub struct Polyline {
     /// In order; a closed one does not repeat the first. Empty if none could be proved within the limits. What is proved holds for
-    /// the decimals of [`nearest_text`](crate::number::nearest_text), and for these numbers.
+    /// the decimals of [`nearest_text`](crate::number::nearest_text), and for these numbers where they are not exactly an end of the spine.
     pub vertices: Vec<[f64; 3]>,
-    /// Of each vertex the parameter that it was put at, in the curve's knots, to the nearest f64.
+    /// Of each vertex the parameter that it was put at, in the curve's knots, to a rounding or two.
     pub parameters: Vec<f64>,
     /// Is it closed, as the spine is?
     pub closed: bool,
@@ -58,7 +58,7 @@ impl Polyline {
         let vertex = |[x, y, z]: &[f64; 3]| Some([number(x)?, number(y)?, number(z)?]);
         let distance = parse_rational(&upper_text(self.distance.hi)).ok()?;
         let vertices = self.vertices.iter().map(vertex).collect::<Option<Vec<_>>>()?;
-        self.is_certified().then_some(claim::Polyline { vertices, distance })
+        self.is_certified().then_some(claim::Polyline { vertices, closed: self.closed, distance })
     }
 
     /// Was a polyline found and proved?
@@ -130,7 +130,8 @@ pub fn polyline(spine: &Spine, tolerance: f64, options: &PolylineOptions) -> Res
     };
     let Some(found) = found else { return Ok(line) };
     line.distance.hi = rational_from_f64(found.distance).map_or(f64::INFINITY, |x| f64_above(&frame.length(&x)));
-    line.parameters = found.positions.iter().map(|position| parameter(&frame, *position)).collect();
+    let knots = knots(&frame);
+    line.parameters = found.positions.iter().map(|position| parameter(&knots, *position)).collect();
     line.edges = found.edges.len();
     line.vertices.clone_from(&found.vertices);
     if options.certificate {
@@ -156,12 +157,16 @@ pub(crate) fn end(spine: &Spine, finish: bool) -> [Rational; 3] {
     [x, y, z].map(|x| Rational::new(x.big(), w.big()))
 }
 
+/// The ends of the spans, nearly.
+fn knots(frame: &Frame) -> Vec<f64> {
+    frame.knots.iter().map(|t| f64_below(t).midpoint(f64_above(t))).collect()
+}
+
 /// The parameter at a position, nearly.
-pub(crate) fn parameter(frame: &Frame, position: f64) -> f64 {
-    let span = (position.floor().max(0.0) as usize).min(frame.segments.len() - 1);
-    let [from, to] = [&frame.knots[span], &frame.knots[span + 1]];
-    let t = from + rational(position - span as f64) * (to - from);
-    f64_below(&t).midpoint(f64_above(&t))
+fn parameter(knots: &[f64], position: f64) -> f64 {
+    let span = (position.floor().max(0.0) as usize).min(knots.len() - 2);
+    let t = position - span as f64;
+    knots[span] * (1.0 - t) + knots[span + 1] * t
 }
 
 /// The certificate of a claim, whose distance is less than what is proved of delta.

@@ -402,9 +402,16 @@ fn wrong_usage_is_an_error() {
 
 #[test]
 fn help_names_what_works_and_nothing_else() {
-    let help = [&["--help"][..], &["radius", "--help"], &["squares", "--help"], &["verify", "--help"], &["help"]]
-        .map(|words| answer(&run(words), 0).to_string())
-        .concat();
+    let help = [
+        &["--help"][..],
+        &["radius", "--help"],
+        &["squares", "--help"],
+        &["check", "--help"],
+        &["verify", "--help"],
+        &["help"],
+    ]
+    .map(|words| answer(&run(words), 0).to_string())
+    .concat();
     for word in [
         "radius",
         "curvature",
@@ -413,6 +420,8 @@ fn help_names_what_works_and_nothing_else() {
         "verify",
         "completions",
         "--limit",
+        "--tolerance",
+        "--polyline",
         "--answer",
         "--json",
         "--rel-width",
@@ -424,7 +433,7 @@ fn help_names_what_works_and_nothing_else() {
     ] {
         assert!(help.contains(word), "{word}");
     }
-    for word in ["polyline", "check", "batch", "report", "--threads"] {
+    for word in ["surface", "batch", "report", "--threads"] {
         let named = help.split(|c: char| !(c.is_alphanumeric() || c == '-')).any(|found| found == word);
         assert!(!named, "{word} does not work yet");
     }
@@ -650,4 +659,80 @@ fn critical_points_pairs_and_squares() {
         }
     }
     std::fs::remove_file(certificate).unwrap();
+}
+
+/// Made, judged and verified in each format; each key of the answer that is a claim is compared.
+#[test]
+fn polylines_in_each_format() {
+    let folder = std::env::temp_dir().join(format!("tubecert-polylines-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let at = |name: &str| folder.join(name).to_str().unwrap().to_string();
+    let (certificate, corner) = (at("cert"), at("corner.json"));
+    for file in ["m98_5_2", "trefoil", "circle_exact"] {
+        let curve = format!("tests/curves/{file}.json");
+        let made = ["polyline", &curve, "--tolerance", "0.05"];
+        matches_snapshot(&format!("{file}.polyline.txt"), answer(&run(&made), 0));
+        let printed = run(&[&made[..], &["--json", "--certificate", &certificate]].concat());
+        let printed = answer(&printed, 0);
+        matches_snapshot(&format!("{file}.polyline.json"), printed);
+        answer(&fed(&["verify", &curve, &certificate, "--answer", "-"], printed.as_bytes()), 0);
+        for ending in ["json", "csv", "obj"] {
+            let path = at(&format!("{file}.{ending}"));
+            answer(&run(&[&made[..], &["-o", &path]].concat()), 0);
+            let judged = run(&["check", &curve, &path, "--tolerance", "0.05", "--json", "--certificate", &certificate]);
+            let judged = answer(&judged, 0);
+            answer(&fed(&["verify", &curve, &certificate, "--answer", "-", "--polyline", &path], judged.as_bytes()), 0);
+            // only certified, only with its polyline
+            let edited = judged.replace("certified", "refuted");
+            let words = ["verify", &curve, &certificate, "--answer", "-", "--polyline", &path, "--json"];
+            answer(&fed(&words, edited.as_bytes()), 2);
+            answer(&fed(&["verify", &curve, &certificate, "--answer", "-", "--json"], judged.as_bytes()), 2);
+            let refuted = run(&["check", &curve, &path, "--tolerance", "1e-4", "--json"]);
+            assert!(
+                answer(&refuted, 1).contains("\"verdict\":\"refuted\"") || answer(&refuted, 1).contains("\"refuted\"")
+            );
+        }
+        let value: Value = serde_json::from_str(printed).unwrap();
+        for (key, other) in
+            [("closed", "\"?\""), ("edges", "3"), ("distance", "{\"lo\": 1, \"hi\": 2}"), ("complete", "false")]
+        {
+            let mut edited = value.clone();
+            edited[key] = if key == "closed" {
+                (!value["closed"].as_bool().unwrap()).into()
+            } else {
+                serde_json::from_str(other).unwrap()
+            };
+            let output = fed(&["verify", &curve, &certificate, "--answer", "-"], edited.to_string().as_bytes());
+            assert!([1, 2].contains(&code(&output)), "{key}: {}", text(&output.stdout));
+        }
+    }
+    fs::write(&corner, r#"{"degree": 1, "control_points": [[0, 0], [1, 0], [1, 1]], "knots": [0, 0, 1, 2, 2]}"#)
+        .unwrap();
+    assert_eq!(code(&run(&["polyline", &corner, "--tolerance", "0.1"])), 1);
+    let curve = "tests/curves/m98_5_2.json";
+    for tolerance in ["0", "-1", "nan", "1e-400", "x"] {
+        assert_eq!(code(&run(&["polyline", curve, "--tolerance", tolerance])), 2, "{tolerance}");
+    }
+    assert_eq!(code(&run(&["polyline", curve, "--tolerance", "0.1", "-o", &at("p.stl")])), 2);
+    for (name, file) in [
+        ("one.json", "[[0, 0, 0]]"),
+        ("nan.json", "[[0, 0, 0], [\"nan\", 0, 0]]"),
+        ("ragged.json", "[[0, 0, 0], [1]]"),
+        ("deep.json", "[[[[0]]]]"),
+        ("nan.csv", "nan,nan,nan\n0,0,0\n1,1,1\n"),
+        ("gap.csv", "0,0,0\n1,,3\n"),
+        ("empty.csv", ""),
+        ("marked.obj", "\u{feff}v 0 0 0\nv 1 1 1\nl 1 2\n"),
+        ("far.obj", "v 0 0 0\nl 1 2\n"),
+        ("none.obj", "v 0 0 0\nv 1 0 0\n"),
+        ("parted.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nl 1 2\nl 3 4\n"),
+    ] {
+        fs::write(at(name), file).unwrap();
+        let output = run(&["check", curve, &at(name), "--tolerance", "0.1", "--json"]);
+        assert_eq!(code(&output), 2, "{name}: {}", text(&output.stdout));
+        assert!(text(&output.stdout).contains("help"), "{name}");
+    }
+    fs::write(at("named.csv"), "x, y, z\r\n# a comment\r\n0 0 0\r\n\r\n1;1;1\r\n").unwrap();
+    assert_eq!(code(&run(&["check", curve, &at("named.csv"), "--tolerance", "0.1"])), 1);
+    fs::remove_dir_all(folder).unwrap();
 }

@@ -153,11 +153,10 @@ fn determinant(vertices: &[V]) -> u64 {
         }
         det = det * rows[c][c] % PRIME;
         let inverse = power(rows[c][c].rem_euclid(PRIME), PRIME - 2);
-        for r in c + 1..size {
-            let factor = rows[r][c] * inverse % PRIME;
-            for k in c..size {
-                rows[r][k] = (rows[r][k] - factor * rows[c][k]) % PRIME;
-            }
+        let pivot = rows[c].clone();
+        for row in &mut rows[c + 1..size] {
+            let factor = row[c] * inverse % PRIME;
+            row.iter_mut().zip(&pivot).for_each(|(x, y)| *x = (*x - factor * y) % PRIME);
         }
     }
     let det = det.rem_euclid(PRIME);
@@ -459,6 +458,51 @@ fn a_changed_crossing_is_refuted() {
     let exact: Vec<Vertex> = changed.iter().map(|v| v.map(|x| rational_from_f64(x).unwrap())).collect();
     let answer = judged(&curve, &exact, 5.0);
     assert_eq!(answer.verdict, Verdict::Refuted, "{answer:?}");
+}
+
+/// Found by readers: feet that fall on one position (no arc is left, and nothing was tested), the seam of a closed spine, and
+/// vertices many spans apart.
+#[test]
+fn feet_that_are_hard_to_tell() {
+    let line = bezier_int(&[[0, 0, 0], [1, 0, 0]]);
+    let point = |x: f64, y: f64| [x, y, 0.0].map(|x| rational_from_f64(x).unwrap());
+    for off in [4e-16, -4e-16, 1e-9] {
+        let spike =
+            [point(0.0, 0.0), point(0.5, 0.0), point(0.5 + off, 0.35), point(0.5 + 2.0 * off, 0.0), point(1.0, 0.0)];
+        assert_ne!(judged(&line, &spike, 0.1).verdict, Verdict::Certified);
+    }
+    assert_ne!(
+        judged(&line, &[point(-0.05, 0.0), point(6e-16, 0.0), point(1.0, 0.0)], 0.1).verdict,
+        Verdict::Certified
+    );
+
+    let circle = file("circle_exact");
+    for tiny in [1e-17, -1e-17, 1e-16, -1e-16, 1e-15, 1e-14] {
+        let at = |k: i32| {
+            let angle = std::f64::consts::PI * (1.0 + f64::from(k) / 32.0);
+            if k == 32 { point(1.0005, tiny) } else { point(angle.cos(), angle.sin()) }
+        };
+        let vertices: Vec<Vertex> = (0..64).map(at).collect();
+        assert_ne!(judged(&circle, &vertices, 0.01).verdict, Verdict::Refuted, "{tiny:e}");
+    }
+
+    let knot = torus_knot(2, 3, 200);
+    let line = made(&knot, 10.0);
+    assert!(line.edges < 40);
+    assert_eq!(judged(&knot, &line.claim().unwrap().vertices, 10.0).verdict, Verdict::Certified);
+}
+
+/// On an open spine the order of the vertices is theirs, on a closed one the start is free.
+#[test]
+fn another_order_is_another_polyline() {
+    let curve = file("m98_5_2");
+    let line = made(&curve, 0.05);
+    let (claim, certificate) = (line.claim().unwrap(), line.certificate.unwrap());
+    for (closed, turn) in [(false, 3), (true, 0), (true, 3)] {
+        let mut mutant = Claimed { closed, ..claim.clone() };
+        mutant.vertices.rotate_left(turn);
+        assert!(verify(&Claim { curve: curve.clone(), statement: Statement::Polyline(mutant) }, &certificate).is_err());
+    }
 }
 
 #[test]

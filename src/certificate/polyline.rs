@@ -54,6 +54,7 @@ impl Evidence {
         } else {
             None
         };
-        Ok(Self { claim: Polyline { vertices, distance }, ends, edges, tube: lines.tube()? })
+        let closed = ends.is_none();
+        Ok(Self { claim: Polyline { vertices, closed, distance }, ends, edges, tube: lines.tube()? })
     }
 }

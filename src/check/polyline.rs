@@ -20,10 +20,11 @@ type Vector = [BigInt; 3];
 
 /// Whether the evidence proves the claim.
 pub(super) fn verify(spine: &Spine, claim: &Polyline, found: &PolylineEvidence) -> Result<(), Rejection> {
-    let (Polyline { vertices, distance }, PolylineEvidence { ends, edges, tube, .. }) = (claim, found);
+    let (Polyline { vertices, closed, distance }, PolylineEvidence { ends, edges, tube, .. }) = (claim, found);
     let mut numbers = vertices.iter().flatten().chain([distance]);
     wanted(numbers.all(|x| x.denom().is_positive()), "vertex", "a number has no positive denominator")?;
     wanted(!distance.is_negative(), "distance", "it is negative")?;
+    wanted(*closed == spine.closed, "vertex", "of the spine and the polyline one is closed, the other is not")?;
     let inside = tube.lo.as_ref().is_none_or(|lo| lo.denom().is_positive() && compare(distance, lo).is_lt());
     wanted(inside, "distance", "it is not less than the radius of the tube")?;
     radius::verify(spine, [&tube.lo, &tube.hi], tube)?;
@@ -124,19 +125,21 @@ impl Run<'_> {
         let [x, y, z] = &d;
         let far = self.distance.denom().pow(2);
         let near = self.distance.numer().pow(2) * inner(&d, &d) * self.from.q.pow(2);
-        let parts = cuts.iter().zip(cuts.iter().skip(1)).map(|(from, to)| part(self.spine, from, to));
-        let parts = parts.collect::<Result<Vec<_>, Why>>()?;
-        for piece in &parts {
+        let (mut start, mut finish) = (None, None);
+        for (from, to) in cuts.iter().zip(cuts.iter().skip(1)) {
+            let piece = part(self.spine, from, to)?;
             let forward = dot(piece.a(), &d.each_ref().map(|c| Poly::constant(c.clone())));
             check(forward.is_positive(), "it may turn back against a tangent")?;
             let w = piece.full_weight();
-            for (p, w) in coefficients(&self.from.away(piece, &w)).zip(&w.0) {
+            for (p, w) in coefficients(&self.from.away(&piece, &w)).zip(&w.0) {
                 let [u, v, t] = p;
                 let across = [&v * z - &t * y, &t * x - &u * z, &u * y - &v * x];
                 check(inner(&across, &across) * &far <= &near * w.pow(2), "it may be farther from the arc")?;
             }
+            start.get_or_insert(piece.clone());
+            finish = Some(piece);
         }
-        let (start, finish) = parts.first().zip(parts.last()).ok_or("there is no arc")?;
+        let (start, finish) = start.zip(finish).ok_or("there is no arc")?;
         // the arc starts before the disk of the first point and ends beyond that of the last
         let end = |piece: &Piece, t: i32, vertex: &Point, sign: i32, on_end: bool| {
             let place = piece.at(&BigInt::from(t).into());
@@ -149,8 +152,8 @@ impl Run<'_> {
         };
         let zero = cuts.first().is_some_and(Zero::is_zero);
         let whole = cuts.last().is_some_and(|x| compare(x, &BigInt::from(self.spine.spans.len()).into()).is_eq());
-        end(start, 0, self.from, -1, first && zero)?;
-        end(finish, 1, self.to, 1, last && whole)
+        end(&start, 0, self.from, -1, first && zero)?;
+        end(&finish, 1, self.to, 1, last && whole)
     }
 }
 

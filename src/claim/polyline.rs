@@ -12,6 +12,8 @@ use crate::number::Rational;
 pub struct Polyline {
     /// In order; of a closed polyline the first does not stand again at the end.
     pub vertices: Vec<[Rational; 3]>,
+    /// Whether the last vertex is joined to the first.
+    pub closed: bool,
     /// The bound.
     pub distance: Rational,
 }

@@ -157,11 +157,26 @@ fn polyline(root: &RawValue) -> Result<Statement, Wrong> {
         let [x, y, z] = numbers;
         Ok([number(x)?, number(y)?, number(z)?])
     };
-    // the answer of `check` names its polyline by --polyline
-    let listed = if string(root, "command")?.as_deref() == Some("check") { vec![] } else { items(root, "vertices")? };
-    let vertices = listed.into_iter().map(vertex).collect::<Result<_, Wrong>>()?;
     let distance = bound(root, "distance.hi")?.ok_or_else(|| wrong("distance.hi", "no polyline is claimed"))?;
-    Ok(Statement::Polyline(Polyline { vertices, distance }))
+    if bound(root, "distance.lo")?.is_none_or(|lo| lo > Rational::from_integer(0.into())) {
+        return Err(wrong("distance.lo", "no certificate proves a lower bound"));
+    }
+    if string(root, "command")?.as_deref() == Some("check") {
+        if string(root, "verdict")?.as_deref() != Some("certified") {
+            return Err(wrong("verdict", "a certificate proves no other verdict than certified"));
+        }
+        // its polyline is named by --polyline
+        return Ok(Statement::Polyline(Polyline { vertices: vec![], closed: false, distance }));
+    }
+    let vertices: Vec<_> = items(root, "vertices")?.into_iter().map(vertex).collect::<Result<_, Wrong>>()?;
+    let closed = member(root, "closed")? == "true";
+    if member(root, "edges")? != (vertices.len() - usize::from(!closed && !vertices.is_empty())).to_string() {
+        return Err(wrong("edges", "there are as many as the vertices say"));
+    }
+    if member(root, "complete")? != "true" {
+        return Err(wrong("complete", "no polyline is claimed"));
+    }
+    Ok(Statement::Polyline(Polyline { vertices, closed, distance }))
 }
 
 /// The values of an array.

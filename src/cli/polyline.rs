@@ -26,7 +26,7 @@ pub fn run(args: &PolylineArgs) -> Said {
     if !answer.is_certified() {
         return Ok((if common.json { as_json(&job, &answer) } else { nothing(&job, &answer) }, UNDECIDED));
     }
-    if let Some(claim) = answer.claim() {
+    if let Some(claim) = common.certificate.as_ref().and_then(|_| answer.claim()) {
         job.certify(answer.certificate.as_ref(), Statement::Polyline(claim))?;
     }
     if let Some(path) = &args.output {

@@ -39,12 +39,17 @@ pub fn run(args: &VerifyArgs) -> Said {
         }
     };
     let claim = match &args.polyline {
+        None if matches!(&claim.statement, Statement::Polyline(line) if line.vertices.is_empty()) => {
+            let help = Some("give the polyline that was checked: --polyline FILE".to_string());
+            let message = "the answer of check does not list its polyline".to_string();
+            return Err(Box::new(Failure { help, ..Failure::new("usage", message, UNUSABLE) }));
+        }
         None => claim,
         Some(path) => {
             let file = vertices(path)?;
             with_polyline(claim, file, &certificate).ok_or_else(|| {
                 let help = Some("leave --polyline out, or give the certificate of polyline or check".to_string());
-                let message = "the claim is not about a polyline".to_string();
+                let message = "the claim is not about this polyline".to_string();
                 let file = Some(args.certificate.display().to_string());
                 Box::new(Failure { file, help, ..Failure::new(ErrorKind::Option.word(), message, UNUSABLE) })
             })?
@@ -59,14 +64,19 @@ pub fn run(args: &VerifyArgs) -> Said {
     Ok((if args.json { as_json(&claim, &verdict) } else { as_text(&claim, &verdict) }, code))
 }
 
-/// The claim about the polyline of a file, in the order of the certificate if that is the same one.
+/// The claim about the polyline of a file, in the order of the certificate if that is the same one; `None` if it is about
+/// another one.
 fn with_polyline(claim: Claim, file: Vec<[Rational; 3]>, certificate: &Certificate) -> Option<Claim> {
     let Claim { curve, statement: Statement::Polyline(claimed) } = claim else { return None };
-    let vertices = match certificate.claim(curve.clone()).statement {
-        Statement::Polyline(Polyline { vertices, .. }) if same(&vertices, &file) => vertices,
-        _ => file,
-    };
-    Some(Claim { curve, statement: Statement::Polyline(Polyline { vertices, ..claimed }) })
+    let Statement::Polyline(proved) = certificate.claim(curve.clone()).statement else { return None };
+    // the answer of `check` lists no vertices
+    let listed = !claimed.vertices.is_empty();
+    if listed && claimed.vertices != proved.vertices && !same(&claimed.vertices, &file, claimed.closed) {
+        return None;
+    }
+    let closed = if listed { claimed.closed } else { proved.closed };
+    let vertices = if same(&proved.vertices, &file, proved.closed) { proved.vertices } else { file };
+    Some(Claim { curve, statement: Statement::Polyline(Polyline { vertices, closed, ..claimed }) })
 }
 
 #[allow(clippy::large_enum_variant, reason = "there is one")]
@@ -244,7 +254,7 @@ impl StatementData {
                 ("squares", Self::Squares { segments: segments.collect() })
             }
             Statement::Polyline(claimed) => {
-                let distance = range(None, Some(&claimed.distance));
+                let distance = range(Some(&Rational::from_integer(0.into())), Some(&claimed.distance));
                 ("polyline", Self::Polyline { vertices: claimed.vertices.len(), distance })
             }
             Statement::Pairs(claimed) => {
@@ -325,8 +335,9 @@ fn claimed(claim: &Claim) -> String {
             pairs.len(),
             undecided.len()
         ),
-        Statement::Polyline(Polyline { vertices, distance }) => format!(
-            "the polyline of {} vertices is isotopic to the spine in its tube, and within {} of it        ({})\n",
+        Statement::Polyline(Polyline { vertices, distance, .. }) => format!(
+            "the polyline of {} vertices is isotopic to the spine in its tube, and within {} of it        ({})\n\
+             parameters, the radius of the tube and numbers of edges needed are not part of this claim\n",
             vertices.len(),
             text(distance),
             unit(&claim.curve)

@@ -33,13 +33,6 @@ pub fn vertices(path: &Path) -> Result<Vec<Vertex>, Box<Failure>> {
         Some("obj") => text(&bytes).and_then(obj),
         _ => json(&bytes),
     };
-    let found = found.and_then(|found| match found.len() {
-        n if n > MAX_CONTROL_POINTS => {
-            let message = format!("{n} vertices, the limit is MAX_CONTROL_POINTS = {MAX_CONTROL_POINTS}");
-            Err(Wrong { kind: ErrorKind::Limit, key: "vertices", index: None, message })
-        }
-        _ => Ok(found),
-    });
     found.map_err(|Wrong { kind, key, index, message }| {
         let help = Some("give a list of points in JSON, lines x,y,z in CSV, or v and l lines in OBJ".to_string());
         let (file, key) = (Some(file), Some(key.to_string()));
@@ -48,8 +41,25 @@ pub fn vertices(path: &Path) -> Result<Vec<Vertex>, Box<Failure>> {
 }
 
 fn text(bytes: &[u8]) -> Result<&str, Wrong> {
-    let message = "the file is not UTF-8".to_string();
-    std::str::from_utf8(bytes).map_err(|_| Wrong { kind: ErrorKind::Syntax, key: "vertices", index: None, message })
+    let syntax =
+        |message: &str| Wrong { kind: ErrorKind::Syntax, key: "vertices", index: None, message: message.to_string() };
+    let text =
+        std::str::from_utf8(bytes).map_err(|error| syntax(&format!("byte {} is not UTF-8", error.valid_up_to())))?;
+    if text.starts_with('\u{feff}') {
+        Err(syntax("the file starts with a byte-order mark, at byte 0"))
+    } else {
+        Ok(text)
+    }
+}
+
+/// Refuses one vertex too many, before memory is taken.
+fn limited(count: usize) -> Result<(), Wrong> {
+    let message = format!("there are more vertices than the limit MAX_CONTROL_POINTS = {MAX_CONTROL_POINTS}");
+    if count <= MAX_CONTROL_POINTS {
+        Ok(())
+    } else {
+        Err(Wrong { kind: ErrorKind::Limit, key: "vertices", index: None, message })
+    }
 }
 
 /// Two or three coordinates.
@@ -73,6 +83,7 @@ fn json(bytes: &[u8]) -> Result<Vec<Vertex>, Wrong> {
     } else {
         serde_json::from_str(root.get()).map_err(|error| syntax(format!("wanted a list of points: {error}")))?
     };
+    limited(points.len())?;
     let each = |(index, item): (usize, &&RawValue)| {
         let words: Vec<&RawValue> = serde_json::from_str(item.get())
             .map_err(|_| wrong(ErrorKind::WrongType, "vertices", index, "a point is a list of numbers"))?;
@@ -83,13 +94,22 @@ fn json(bytes: &[u8]) -> Result<Vec<Vertex>, Wrong> {
 
 /// A point on each line; empty lines and those that start with # do not count, nor a first line of words.
 fn csv(text: &str) -> Result<Vec<Vertex>, Wrong> {
-    let words = |line| str::split(line, [',', ';', ' ', '\t']).map(str::trim).filter(|word| !word.is_empty());
+    // an empty field is a fault, spaces are not
+    let words = |line: &'_ str| -> Vec<String> {
+        let parted = line.trim().split([',', ';']).map(|word| word.trim().to_string()).collect::<Vec<_>>();
+        if parted.len() > 1 { parted } else { line.split_whitespace().map(str::to_string).collect() }
+    };
+    let name = |word: &String| {
+        let number = ["nan", "inf", "infinity"].contains(&word.to_ascii_lowercase().as_str());
+        word.starts_with(|c: char| c.is_ascii_alphabetic()) && !number
+    };
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.trim().starts_with('#'));
     let mut points = vec![];
     for (number, (index, line)) in lines.enumerate() {
-        let header = number == 0 && words(line).all(|word| word.starts_with(|c: char| c.is_ascii_alphabetic()));
-        if !header {
-            points.push(point(words(line), "line", index)?);
+        let words = words(line);
+        if number > 0 || !words.iter().all(name) {
+            limited(points.len() + 1)?;
+            points.push(point(words.iter().map(String::as_str), "line", index)?);
         }
     }
     Ok(points)
@@ -101,7 +121,10 @@ fn obj(text: &str) -> Result<Vec<Vertex>, Wrong> {
     for (index, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         match words.next() {
-            Some("v") => all.push(point(words.take(3), "line", index)?),
+            Some("v") => {
+                limited(all.len() + 1)?;
+                all.push(point(words.take(3), "line", index)?);
+            }
             Some("l") => {
                 let mut first = true;
                 for word in words {
@@ -121,6 +144,7 @@ fn obj(text: &str) -> Result<Vec<Vertex>, Wrong> {
                         ));
                     }
                     if !first || order.is_empty() {
+                        limited(order.len() + 1)?;
                         order.push(place);
                     }
                     first = false;
@@ -138,19 +162,19 @@ fn obj(text: &str) -> Result<Vec<Vertex>, Wrong> {
     order.into_iter().map(at).collect()
 }
 
-/// Are these the same closed or open polylines, wherever they start and whichever way they run?
-pub fn same(a: &[Vertex], b: &[Vertex]) -> bool {
+/// Are these the same polylines, whichever way they run and, if they are closed, wherever they start?
+pub fn same(a: &[Vertex], b: &[Vertex], closed: bool) -> bool {
     let once = |vertices: &[Vertex]| {
         let mut vertices = vertices.to_vec();
         vertices.dedup();
-        if vertices.len() > 1 && vertices.first() == vertices.last() {
+        if closed && vertices.len() > 1 && vertices.first() == vertices.last() {
             vertices.pop();
         }
         vertices
     };
     let (a, mut b) = (once(a), once(b));
     let turned = |b: &[Vertex]| {
-        let starts = b.iter().enumerate().filter(|(_, vertex)| Some(*vertex) == a.first());
+        let starts = b.iter().enumerate().filter(|(k, vertex)| (closed || *k == 0) && Some(*vertex) == a.first());
         let mut starts = starts.take(16);
         starts.any(|(k, _)| a.len() == b.len() && a.iter().eq(b[k..].iter().chain(&b[..k])))
     };

@@ -17,6 +17,8 @@ pub(crate) struct Follower<'a> {
     closed: bool,
     /// Positions and points all along.
     samples: Vec<(f64, V3)>,
+    /// The length of the spine up to each, nearly.
+    lengths: Vec<f64>,
 }
 
 /// Where the polyline runs: for each vertex a position, increasing.
@@ -30,8 +32,12 @@ impl<'a> Follower<'a> {
     pub(crate) fn new(rail: &'a Rail, closed: bool) -> Self {
         let spans = rail.count() as usize;
         let place = |i: usize| i as f64 / SAMPLES as f64;
-        let samples = (0..=spans * SAMPLES).map(|i| (place(i), rail.place(place(i))));
-        Self { rail, closed, samples: samples.collect() }
+        let samples: Vec<(f64, V3)> = (0..=spans * SAMPLES).map(|i| (place(i), rail.place(place(i)))).collect();
+        let mut lengths = vec![0.0];
+        for pair in samples.windows(2) {
+            lengths.push(lengths[lengths.len() - 1] + norm(&sub(&pair[1].1, &pair[0].1)));
+        }
+        Self { rail, closed, samples, lengths }
     }
 
     /// (x - C).C' and an estimate of how it falls, at a position.
@@ -48,18 +54,37 @@ impl<'a> Follower<'a> {
         if self.closed { position } else { position.clamp(0.0, self.rail.count()) }
     }
 
-    /// A foot of x near a position, and its distance.
+    /// The position so much farther along the spine, nearly.
+    fn farther(&self, position: f64, by: f64) -> f64 {
+        let count = self.rail.count();
+        let (turn, whole) = ((position / count).floor().max(0.0) * count, self.lengths[self.lengths.len() - 1]);
+        let at = |x: f64| {
+            let place = (x - turn) * SAMPLES as f64;
+            let k = (place.max(0.0) as usize).min(self.samples.len() - 2);
+            self.lengths[k] + (place - k as f64) * (self.lengths[k + 1] - self.lengths[k])
+        };
+        let wanted = at(position) + by;
+        let (more, wanted) = if self.closed && wanted > whole { (count, wanted - whole) } else { (0.0, wanted) };
+        let k = self.lengths.partition_point(|length| *length <= wanted).clamp(1, self.lengths.len() - 1);
+        let share = ((wanted - self.lengths[k - 1]) / (self.lengths[k] - self.lengths[k - 1])).clamp(0.0, 1.0);
+        turn + more + (k as f64 - 1.0 + share) / SAMPLES as f64
+    }
+
+    /// A foot of x near a position, and its distance; infinite if none was reached.
     pub(crate) fn foot(&self, x: &V3, near: f64) -> (f64, f64) {
-        let mut at = self.held(near);
+        let (mut at, mut reached) = (self.held(near), false);
         for _ in 0..STEPS {
             let (along, rate) = self.slope(x, at);
             let step = (along / rate).clamp(-0.25, 0.25);
             let next = self.held(at + step);
             if (next - at).abs() <= 1e-13 * (1.0 + at.abs()) {
-                at = next;
+                (at, reached) = (next, true);
                 break;
             }
             at = next;
+        }
+        if !reached {
+            return (at, f64::INFINITY);
         }
         (at, norm(&sub(x, &self.rail.place(at))))
     }
@@ -103,13 +128,15 @@ impl<'a> Follower<'a> {
                 return None;
             }
             let (from, to) = (&vertices[pair[0]], &vertices[pair[1]]);
-            let d = sub(to, from);
-            let speed = self.speed(at);
-            let (mut next, mut off) = self.foot(to, at + (norm(&d) / speed).min(0.25));
-            if off > reach || next <= at {
+            let length = norm(&sub(to, from));
+            let (mut next, mut off) = self.foot(to, self.farther(at, length));
+            // on the spine, or nearly: no other is nearer
+            if off > 1e-3 * length || next <= at {
                 let (other, far) = self.nearest(to);
                 let lifted = if self.closed { other + ((at - other) / count).ceil() * count } else { other };
-                (next, off) = (lifted, far);
+                if far < off || next <= at {
+                    (next, off) = (lifted, far);
+                }
             }
             if next <= at || off > reach * 4.0 {
                 return None;
@@ -119,11 +146,6 @@ impl<'a> Follower<'a> {
         }
         let once = !self.closed || positions[positions.len() - 1] < positions[0] + count;
         once.then_some(Feet { positions, reversed: !forward })
-    }
-
-    fn speed(&self, position: f64) -> f64 {
-        let h = 1e-4;
-        norm(&sub(&self.rail.place(position + h), &self.rail.place(position))) / h
     }
 }
 

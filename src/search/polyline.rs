@@ -4,6 +4,7 @@
 use super::dyadic::power_of_two;
 use super::frame::Frame;
 use super::meter::Meter;
+use crate::bernstein::UNIT;
 use crate::enclosure::Interval;
 use crate::integer::Int;
 use crate::number::Rational;
@@ -28,12 +29,12 @@ pub(crate) struct Rail<'a> {
 }
 
 struct Span {
-    /// Premultiplied numerators; for a constant weight the points themselves.
-    r: Vec<Point>,
     /// Empty for a constant weight.
     w: Vec<Interval>,
     /// (r, w), nearly.
     near: Vec<[f64; 4]>,
+    /// How far off r and w are in a part of the span.
+    off: [f64; 2],
     /// |C'| at both ends, nearly.
     speed: [f64; 2],
 }
@@ -84,32 +85,38 @@ impl Span {
         };
         let speed = [speed(0, 1), speed(n, n - 1)];
         let near = (0..=n).map(|i| [r[i][0].mid(), r[i][1].mid(), r[i][2].mid(), weight(i)]).collect();
-        Self { r, w, near, speed }
+        let of = |all: &mut dyn Iterator<Item = Interval>| {
+            all.fold(0.0_f64, |most, x| most.max((x.hi() - x.lo()) + (8 * n + 4) as f64 * UNIT * x.mag()))
+        };
+        let off = [of(&mut r.iter().flatten().copied()), of(&mut w.iter().copied())].map(|off| off * 1.0001 + 1e-300);
+        Self { w, near, off, speed }
     }
 
-    /// The control points, and weights, of the part from p to q.
+    /// The control points, and weights, of the part from p to q, in f64 with what that is off by at the most
+    /// (docs/rounding.md, section 11).
     fn part(&self, p: f64, q: f64) -> (Vec<Point>, Vec<Interval>) {
-        let (mut r, mut w) = (self.r.clone(), self.w.clone());
-        let split = |r: &mut Vec<Point>, w: &mut Vec<Interval>, t: Interval, left: bool| {
-            let (s, n) = (Interval::point(1.0) - t, r.len() - 1);
+        let mut c = self.near.clone();
+        let n = c.len() - 1;
+        let between = |a: &[f64; 4], b: &[f64; 4], t: f64| [0, 1, 2, 3].map(|k| (1.0 - t) * a[k] + t * b[k]);
+        if q < 1.0 {
             for level in 1..=n {
-                // in place: to the left those that stay are in front, to the right behind
-                let range: Vec<usize> = if left { (level..=n).rev().collect() } else { (0..=n - level).collect() };
-                for i in range {
-                    let (a, b) = if left { (i - 1, i) } else { (i, i + 1) };
-                    r[i] = [0, 1, 2].map(|k| s * r[a][k] + t * r[b][k]);
-                    if !w.is_empty() {
-                        w[i] = s * w[a] + t * w[b];
-                    }
+                for i in (level..=n).rev() {
+                    c[i] = between(&c[i - 1], &c[i], q);
                 }
             }
-        };
-        if q < 1.0 {
-            split(&mut r, &mut w, Interval::point(q), true);
         }
         if p > 0.0 {
-            split(&mut r, &mut w, Interval::point(p) / Interval::point(q.max(f64::MIN_POSITIVE)), false);
+            let t = p / q;
+            for level in 1..=n {
+                for i in 0..=n - level {
+                    c[i] = between(&c[i], &c[i + 1], t);
+                }
+            }
         }
+        let [off, off_w] = self.off;
+        let around = |x: f64, off: f64| Interval::new((x - off).next_down(), (x + off).next_up());
+        let r = c.iter().map(|c| [around(c[0], off), around(c[1], off), around(c[2], off)]).collect();
+        let w = if self.w.is_empty() { vec![] } else { c.iter().map(|c| around(c[3], off_w)).collect() };
         (r, w)
     }
 }
@@ -196,6 +203,9 @@ impl<'a> Rail<'a> {
     /// The disk of a point is between two positions, if the spine between them is no farther from it than this.
     pub(crate) fn bracket(&self, x: &Point, from: f64, to: f64) -> Option<f64> {
         let cuts = self.cuts(from, to);
+        if cuts.len() < 2 {
+            return None;
+        }
         let mut most = 0.0_f64;
         for (k, pair) in cuts.windows(2).enumerate() {
             let ((span, p), (_, q)) = (self.local(pair[0], false), self.local(pair[1], true));
@@ -220,9 +230,6 @@ impl<'a> Rail<'a> {
     fn at(&self, span: usize, t: f64) -> Point {
         let (r, w) = self.spans[span].part(0.0, t);
         let last = r.len() - 1;
-        if t <= 0.0 {
-            return if w.is_empty() { r[0] } else { r[0].map(|x| x / w[0]) };
-        }
         if w.is_empty() { r[last] } else { r[last].map(|x| x / w[last]) }
     }
 
@@ -267,7 +274,7 @@ impl<'a> Rail<'a> {
     pub(crate) fn edge(&self, from: &Point, to: &Point, cuts: &[f64], known: [bool; 2]) -> Option<f64> {
         let d = sub(to, from);
         let length = square(&d);
-        if !length.is_positive() {
+        if !length.is_positive() || cuts.len() < 2 {
             return None;
         }
         let mut most = 0.0_f64;
@@ -294,6 +301,30 @@ impl<'a> Rail<'a> {
         Some(Interval::point(most).sqrt().hi())
     }
 
+    /// A place so little inside an end that its vertex, as printed, is not beyond the end; a place beyond its disk; and the
+    /// distance of what is between the end and that place from the vertex, at most `limit`.
+    fn inward(&self, at_start: bool, limit: f64) -> Option<(f64, f64, f64)> {
+        let (count, mut by) = (self.count(), 16.0 * self.unit);
+        while by < 0.01 {
+            let [place, beyond] = [by, 2.0 * by].map(|by| if at_start { by } else { count - by });
+            let vertex = self.vertex(&self.near(place));
+            let range = if at_start { [0.0, beyond] } else { [beyond, count] };
+            let (span, p) = self.local(if at_start { 0.0 } else { count - 0.5 }, false);
+            let points = cartesian(&self.spans[span].part(p, p + 0.5))?;
+            let n = points.len() - 1;
+            let inside = match at_start {
+                true => dot(&sub(&vertex, &points[0]), &sub(&points[1], &points[0])),
+                false => dot(&sub(&points[n], &vertex), &sub(&points[n], &points[n - 1])),
+            };
+            let off = self.covered(&vertex, range, at_start).filter(|off| *off <= limit && inside.is_positive());
+            if let Some(off) = off {
+                return Some((place, beyond, off));
+            }
+            by *= 4.0;
+        }
+        None
+    }
+
     /// The arc from one position to the other, one of them an end of the spine, is no farther from a vertex than this, whose
     /// disk lies on it.
     pub(crate) fn covered(&self, vertex: &Point, [from, to]: [f64; 2], at_start: bool) -> Option<f64> {
@@ -307,6 +338,15 @@ impl<'a> Rail<'a> {
         let most = points.iter().map(|point| square(&sub(point, vertex)).hi()).fold(0.0, f64::max);
         farther.is_positive().then(|| Interval::point(most).sqrt().hi())
     }
+}
+
+/// Do the arcs of two edges that follow one another, round a closed spine, lie within one period?
+pub(crate) fn together(edges: &[Vec<f64>], count: f64) -> bool {
+    let spread = |a: &[f64], b: &[f64], more: f64| match (a, b) {
+        ([a, .., b], [c, .., d]) => b.max(d + more) - a.min(c + more) < count,
+        _ => false,
+    };
+    edges.windows(2).all(|pair| spread(&pair[0], &pair[1], 0.0)) && spread(&edges[edges.len() - 1], &edges[0], count)
 }
 
 /// The hodograph has a positive product with d all along.
@@ -341,44 +381,11 @@ pub(crate) fn course(
     let mut most = 0.0_f64;
     if !closed {
         let mut places = [0.0, count];
-        for (k, at_start) in [(0, true), (1, false)] {
-            let end = places[k];
-            known[k] = exact(&rail.near(end), at_start);
-            let mut inward = 16.0 * rail.unit;
-            let mut place = end;
-            while !known[k] {
-                // so far in that the vertex, as printed, is not beyond the end
-                place = if at_start { inward } else { count - inward };
-                let beyond = if at_start { 2.0 * inward } else { count - 2.0 * inward };
-                let vertex = rail.vertex(&rail.near(place));
-                let at_end = if at_start {
-                    rail.covered(&vertex, [end, beyond], true)
-                } else {
-                    rail.covered(&vertex, [beyond, end], false)
-                };
-                let (span, t) = rail.local(end, !at_start);
-                let (p, q) = if at_start { (0.0, 0.5) } else { (0.5, 1.0) };
-                let points = cartesian(&rail.spans[span].part(p, q))?;
-                let n = points.len() - 1;
-                let inside = match at_start {
-                    true => dot(&sub(&vertex, &points[0]), &sub(&points[1], &points[0])),
-                    false => dot(&sub(&points[n], &vertex), &sub(&points[n], &points[n - 1])),
-                };
-                debug_assert!(t == 0.0 || t == 1.0);
-                if let Some(off) = at_end.filter(|off| *off <= limit && inside.is_positive()) {
-                    most = most.max(off);
-                    places[k] = beyond;
-                    break;
-                }
-                inward *= 4.0;
-                if inward > 0.01 || !meter.tick() {
-                    return None;
-                }
-            }
-            if at_start {
-                start = place;
-            } else {
-                finish = place;
+        for (k, place) in [&mut start, &mut finish].into_iter().enumerate() {
+            known[k] = exact(&rail.near(*place), k == 0);
+            if !known[k] {
+                let (inside, beyond, off) = rail.inward(k == 0, limit)?;
+                (*place, places[k], most) = (inside, beyond, most.max(off));
             }
         }
         ends = Some(places);
@@ -386,12 +393,12 @@ pub(crate) fn course(
     let mut course =
         Course { vertices: vec![rail.near(start)], positions: vec![start], edges: vec![], ends, distance: 0.0 };
     let first = rail.vertex(&course.vertices[0]);
+    let held = |x: f64| if closed { x } else { x.clamp(0.0, count) };
     // round a closed spine in four edges at the least
     let longest = if closed { count / 4.0 } else { count };
     let (mut at, mut from, mut step) = (start, first, 0.25_f64.min(longest));
     while at < finish {
-        let mut tries = 0;
-        let (mut least, mut best) = (0.0, None);
+        let (mut tries, mut best) = (0, None);
         loop {
             tries += 1;
             if tries > TRIES || !meter.tick() {
@@ -412,46 +419,27 @@ pub(crate) fn course(
             let ended = to >= finish;
             let place = if ended && closed { course.vertices[0] } else { rail.near(to) };
             let vertex = rail.vertex(&place);
-            let reach = REACH * (to - at);
-            let low = if !closed && course.edges.is_empty() {
-                if known[0] { 0.0 } else { rail.moved(at, -reach).max(0.0) }
-            } else {
-                rail.moved(at, -reach)
-            };
-            let high = if !closed && ended {
-                if known[1] { count } else { rail.moved(to, reach).min(count) }
-            } else {
-                rail.moved(to, reach)
-            };
-            let (low, high) = if closed { (low, high) } else { (low.max(0.0), high.min(count)) };
+            let (tried, reach) = (to - at, REACH * (to - at));
+            let exactly = [known[0] && course.edges.is_empty(), known[1] && ended];
+            let low = if exactly[0] { 0.0 } else { held(rail.moved(at, -reach)) };
+            let high = if exactly[1] { count } else { held(rail.moved(to, reach)) };
             let cuts = rail.cuts(low, high);
-            let exactly = [known[0] && course.edges.is_empty(), known[1] && ended && !closed];
-            let off = rail.edge(&from, &vertex, &cuts, exactly).filter(|off| *off <= f64::MAX);
-            let tried = to - at;
+            let off = rail.edge(&from, &vertex, &cuts, exactly);
+            let share = off.map(|off| 0.985 * (limit / off.max(1e-300)).sqrt());
             match off {
                 Some(off) if off <= limit => {
-                    let full = ended || off >= FULL * limit || tries > 6;
+                    step = (tried * share.unwrap_or(1.0).min(2.0)).min(longest);
                     best = Some((to, place, vertex, cuts, off));
-                    least = tried;
-                    let larger = tried * (0.985 * (limit / off.max(1e-300)).sqrt()).min(2.0);
-                    step = larger.min(longest);
-                    if full || step <= tried * 1.01 {
+                    if ended || off >= FULL * limit || tries > 6 || step <= tried * 1.01 {
                         break;
                     }
                 }
-                Some(off) => {
-                    if best.is_some() {
-                        step = least;
+                _ => {
+                    if let Some((to, ..)) = &best {
+                        step = to - at;
                         break;
                     }
-                    step = tried * (0.985 * (limit / off).sqrt()).clamp(0.1, 0.95);
-                }
-                None => {
-                    if best.is_some() {
-                        step = least;
-                        break;
-                    }
-                    step = 0.5 * tried;
+                    step = tried * share.map_or(0.5, |share| share.clamp(0.1, 0.95));
                 }
             }
         }
@@ -465,7 +453,7 @@ pub(crate) fn course(
         }
     }
     course.distance = most;
-    Some(course)
+    (!closed || together(&course.edges, count)).then_some(course)
 }
 
 /// The number of edges that the asymptotic law asks for: the integral of sqrt(kappa / (8 limit)) along the spine, by samples.
