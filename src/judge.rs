@@ -4,6 +4,7 @@ use crate::certificate::Certificate;
 use crate::claim;
 use crate::enclosure::Interval;
 use crate::error::{Error, ErrorKind};
+use crate::integer::Int;
 use crate::number::{Rational, f64_above, f64_below, parse_rational, rational_from_f64, upper_text};
 use crate::options::{self, Enclosure, options};
 use crate::polyline::{SHARE, end, proof};
@@ -14,7 +15,8 @@ use crate::search::frame::Frame;
 use crate::search::meter::{Meter, Stop};
 use crate::search::polyline::{Course, Point, REACH, Rail, dot, rational, square, sub, together};
 use crate::search::tree::Tree;
-use crate::spine::Spine;
+use crate::spine::{Bezier, Segment, Spine};
+use num_traits::Signed;
 
 options! {
     /// Options of [`check`](fn@crate::check). The relative width is that of delta.
@@ -86,7 +88,8 @@ pub struct Check {
 ///
 /// *Meaning.* That of [`polyline`](fn@crate::polyline), for vertices anywhere near the spine, exactly as they are given. On a closed
 /// spine the polyline is closed, may start anywhere, run either way, and may repeat its first vertex at the end; repeated vertices count
-/// once. *Refuted* rests on a witness: a point of the polyline farther than the tolerance, or than delta's upper bound, from all of
+/// once. Where the polyline of an open spine reaches beyond its ends, by less than the tolerance, the spine counts as prolonged by
+/// straight stubs, whose tube is proved as well. *Refuted* rests on a witness: a point of the polyline farther than the tolerance, or than delta's upper bound, from all of
 /// the spine; a point of the spine farther than the tolerance from all edges; points of the polyline in normal disks whose order is not
 /// that of the spine. Otherwise *undecided*: nothing is said.
 ///
@@ -123,28 +126,9 @@ pub fn check(
             .key("vertices")
             .help("give a list of points"));
     }
-    let of_tube = RadiusOptions { rel_width: options.rel_width, budget: options.budget, ..RadiusOptions::new() };
-    let of_tube = RadiusOptions { cancel: options.cancel.clone(), max_cells: options.max_cells, ..of_tube };
-    let delta = radius(spine, &of_tube)?.delta;
     let frame = Frame::new(spine);
     let rail = Rail::new(&frame);
-    let scale = power_of_two(frame.scale);
-    let boxed =
-        |x: f64, round: fn(&Rational) -> f64| rational_from_f64(x).map_or(f64::INFINITY, |x| round(&(x * &scale)));
-    let points: Vec<Point> = vertices.iter().map(|vertex| rail.exact(vertex)).collect();
-    let job = Job {
-        frame: &frame,
-        rail: &rail,
-        follower: Follower::new(&rail, spine.closed),
-        middles: points.iter().map(|point| point.map(Interval::mid)).collect(),
-        points,
-        numbers,
-        exact: [0, vertices.len() - 1].map(|k| [false, true].map(|finish| vertices[k] == end(spine, finish))),
-        limit: boxed(tolerance, f64_below).min(SHARE * boxed(delta.lo, f64_below)),
-        // a decimal that was rounded down to this f64 is below the next
-        tolerance: boxed(tolerance.next_up(), f64_above),
-        tube: [boxed(delta.lo, f64_below), boxed(delta.hi, f64_above)],
-    };
+    let tube = delta(spine, options)?;
     let mut meter = options.meter();
     let mut answer = Check {
         verdict: Verdict::Undecided,
@@ -156,24 +140,45 @@ pub fn check(
         cells: 0,
         stopped: None,
     };
-    if delta.hi == 0.0 {
+    if tube.hi == 0.0 {
         (answer.verdict, answer.reason) = (Verdict::Refuted, "no_tube");
         return Ok(answer);
     }
-    match job.proved(&mut meter) {
-        Ok((course, reversed)) => {
+    let job = Job::new(spine, &frame, &rail, &vertices, numbers, tolerance, tube);
+    let found = job.proved([false; 2], &mut meter).map(|(course, reversed)| (course, reversed, None));
+    // beyond an end the spine may be prolonged
+    let stubs = found.is_err().then(|| job.stubs()).flatten();
+    let found = match stubs {
+        None => found,
+        Some(stubs) => {
+            let longer = prolonged(spine, &stubs);
+            let tube = delta(&longer, options)?;
+            let frame = Frame::new(&longer);
+            let rail = Rail::new(&frame);
+            let other = Job::new(&longer, &frame, &rail, &vertices, job.numbers.clone(), tolerance, tube);
+            let has = stubs.each_ref().map(Signed::is_positive);
+            let proved = other.proved(has, &mut meter).map(|(course, reversed)| {
+                (Course { stubs: Some(stubs), ..course }, reversed, Some((longer.clone(), tube)))
+            });
+            proved.or(found)
+        }
+    };
+    match found {
+        Ok((course, reversed, other)) => {
             (answer.verdict, answer.reason) = (Verdict::Certified, "near");
             if reversed {
                 vertices.reverse();
                 // a closed one starts where it did
                 vertices.rotate_right(usize::from(spine.closed));
             }
+            let frame = other.as_ref().map_or(frame, |(longer, _)| Frame::new(longer));
+            let tube = other.as_ref().map_or(tube, |(_, tube)| *tube);
             let most = rational_from_f64(course.distance).map_or(f64::INFINITY, |x| f64_above(&frame.length(&x)));
             answer.distance.hi = most;
             let distance = parse_rational(&upper_text(most))?;
             let claim = claim::Polyline { vertices, closed: spine.closed, distance };
             if options.certificate {
-                answer.certificate = proof(spine, &frame, &course, claim.clone(), [most, delta.lo]);
+                answer.certificate = proof(spine, &frame, &course, claim.clone(), [most, tube.lo]);
             }
             answer.claim = Some(claim);
         }
@@ -191,6 +196,39 @@ pub fn check(
     }
     (answer.cells, answer.stopped) = (meter.cells, meter.stopped);
     Ok(answer)
+}
+
+/// The enclosure of delta.
+fn delta(spine: &Spine, options: &CheckOptions) -> Result<Enclosure, Error> {
+    let of_tube = RadiusOptions { rel_width: options.rel_width, budget: options.budget, ..RadiusOptions::new() };
+    let of_tube = RadiusOptions { cancel: options.cancel.clone(), max_cells: options.max_cells, ..of_tube };
+    Ok(radius(spine, &of_tube)?.delta)
+}
+
+/// An open spine with straight segments before and after it, so long in terms of the control legs there; 0: none.
+fn prolonged(spine: &Spine, stubs: &[Rational; 2]) -> Spine {
+    let mut longer = spine.clone();
+    for (finish, u) in [false, true].into_iter().zip(stubs).filter(|(_, u)| u.is_positive()) {
+        let segment = &longer.segments[if finish { longer.segments.len() - 1 } else { 0 }];
+        let bezier = &segment.bezier;
+        let n = bezier.degree();
+        let (end, next) =
+            if finish { (bezier.point(n), bezier.point(n - 1)) } else { (bezier.point(0), bezier.point(1)) };
+        let (p, q) = (Int::from(u.numer().clone()), Int::from(u.denom().clone()));
+        let (both, sum) = (&(&end[3] * &next[3]) * &q, &p + &q);
+        let x = [0, 1, 2].map(|k| {
+            let near = &end[k] * &next[3];
+            let far = &(&near * &sum) - &(&(&p * &next[k]) * &end[3]);
+            let near = &near * &q;
+            if finish { vec![near, far] } else { vec![far, near] }
+        });
+        let one = Rational::from_integer(1.into());
+        let [from, to] =
+            if finish { [segment.to.clone(), &segment.to + one] } else { [&segment.from - one, segment.from.clone()] };
+        let stub = Segment { from, to, bezier: Bezier { x, w: vec![both] } };
+        longer.segments.insert(if finish { longer.segments.len() } else { 0 }, stub);
+    }
+    longer
 }
 
 struct Job<'a> {
@@ -213,7 +251,65 @@ struct Job<'a> {
 
 type Refutation = (&'static str, PolylineWitness);
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    fn new(
+        spine: &Spine,
+        frame: &'a Frame,
+        rail: &'a Rail<'a>,
+        vertices: &[[Rational; 3]],
+        numbers: Vec<usize>,
+        tolerance: f64,
+        delta: Enclosure,
+    ) -> Self {
+        let scale = power_of_two(frame.scale);
+        let boxed =
+            |x: f64, round: fn(&Rational) -> f64| rational_from_f64(x).map_or(f64::INFINITY, |x| round(&(x * &scale)));
+        let points: Vec<Point> = vertices.iter().map(|vertex| rail.exact(vertex)).collect();
+        Self {
+            frame,
+            rail,
+            follower: Follower::new(rail, spine.closed),
+            middles: points.iter().map(|point| point.map(Interval::mid)).collect(),
+            points,
+            numbers,
+            exact: [0, vertices.len() - 1].map(|k| [false, true].map(|finish| vertices[k] == end(spine, finish))),
+            limit: boxed(tolerance, f64_below).min(SHARE * boxed(delta.lo, f64_below)),
+            // a decimal that was rounded down to this f64 is below the next
+            tolerance: boxed(tolerance.next_up(), f64_above),
+            tube: [boxed(delta.lo, f64_below), boxed(delta.hi, f64_above)],
+        }
+    }
+
+    /// Of an open spine beyond whose ends, by less than is allowed, the polyline reaches: the stubs that hold it.
+    fn stubs(&self) -> Option<[Rational; 2]> {
+        if self.closed() || self.limit <= 0.0 {
+            return None;
+        }
+        let (first, last) = (self.middles[0], self.middles[self.middles.len() - 1]);
+        let gap = |a: &[f64; 3], b: &[f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
+        let inner = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let near = |p: &[f64; 3], q: &[f64; 3]| inner(&gap(p, q), &gap(p, q));
+        let start = self.rail.place(0.0);
+        let turned = near(&last, &start) < near(&first, &start);
+        let stub = |finish: bool| {
+            let vertex = if finish == turned { first } else { last };
+            let bezier = &self.frame.segments[if finish { self.frame.segments.len() - 1 } else { 0 }];
+            let n = bezier.degree();
+            let at = |i: usize| {
+                let point = bezier.point(i);
+                [0, 1, 2].map(|k| Interval::from_ratio(&point[k].big(), &point[3].big()).mid())
+            };
+            let (end, next) = if finish { (at(n), at(n - 1)) } else { (at(0), at(1)) };
+            let leg = gap(&end, &next);
+            // in terms of the leg
+            let over = inner(&gap(&vertex, &end), &leg) / inner(&leg, &leg);
+            // more than that: the arc of the edge reaches beyond the vertex
+            rational(if over > 0.0 && over.is_finite() { 2.5 * over + 1e-12 } else { 0.0 })
+        };
+        let stubs = [stub(false), stub(true)];
+        stubs.iter().any(Signed::is_positive).then_some(stubs)
+    }
+
     fn closed(&self) -> bool {
         self.frame.closed
     }
@@ -223,7 +319,7 @@ impl Job<'_> {
     }
 
     /// The proof, and whether the vertices were turned round; or what was not proved, and of which edge.
-    fn proved(&self, meter: &mut Meter) -> Result<(Course, bool), (&'static str, Option<usize>)> {
+    fn proved(&self, stubs: [bool; 2], meter: &mut Meter) -> Result<(Course, bool), (&'static str, Option<usize>)> {
         let (rail, count) = (self.rail, self.rail.count());
         if self.limit <= 0.0 {
             return Err(("limit", None));
@@ -246,9 +342,11 @@ impl Job<'_> {
             let (from, to) = (&self.points[number(k)], &self.points[number(k + 1)]);
             let start = positions[k];
             let finish = if k + 1 < n { positions[k + 1] } else { positions[0] + count };
+            let length = square(&sub(to, from)).sqrt().mid();
             let proved = [REACH, 0.125, 0.4, 1.0].iter().find_map(|reach| {
-                let reach = reach * (finish - start);
-                let (low, high) = (rail.moved(rail.snapped(start), -reach), rail.moved(rail.snapped(finish), reach));
+                let (start, finish) = (rail.snapped(start), rail.snapped(finish));
+                let low = rail.moved(start, -reach * rail.step(start, length));
+                let high = rail.moved(finish, reach * rail.step(finish, length));
                 let held = |x: f64| if self.closed() { x } else { x.clamp(0.0, count) };
                 let cuts = rail.cuts(held(low), held(high));
                 // a vertex at an end of the spine may lie in its plane
@@ -274,6 +372,21 @@ impl Job<'_> {
                 if exact(k == 1) {
                     continue;
                 }
+                // a stub is all of it near the vertex, whose edge leaves it
+                if stubs[k] {
+                    let (place, range) = if k == 0 { (1.0, [0.0, 1.0]) } else { (count - 1.0, [count - 1.0, count]) };
+                    let off = rail.covered(vertex, range, k == 0).filter(|off| *off <= self.limit);
+                    let next: &[f64] =
+                        edges.get(if k == 0 { 1 } else { all.wrapping_sub(2) }).map_or(&[], |cuts: &Vec<f64>| cuts);
+                    let leaves = if k == 0 {
+                        next.first().is_none_or(|x| *x >= 1.0)
+                    } else {
+                        next.last().is_none_or(|x| *x <= count - 1.0)
+                    };
+                    most = most.max(off.filter(|_| leaves).ok_or(("end_not_covered", None))?);
+                    places[k] = place;
+                    continue;
+                }
                 let covered = (1..30).find_map(|halvings| {
                     let more = 0.25_f64.powi(halvings).max(4.0 * self.rail.snapped(1e-12));
                     let place =
@@ -290,13 +403,20 @@ impl Job<'_> {
             }
             ends = Some(places);
         }
-        let course = Course { vertices: vec![], positions, edges, ends, distance: most };
+        let course = Course { vertices: vec![], positions, edges, ends, stubs: None, distance: most };
         Ok((course, reversed))
     }
 
     fn refuted(&self, edge: Option<usize>, meter: &mut Meter) -> Option<Refutation> {
         let mut tree = Tree::new(self.frame);
+        let (least, mut at) = (self.tolerance.min(self.tube[1]), 0.0);
         for (k, (point, middle)) in self.points.iter().zip(&self.middles).enumerate() {
+            // near the foot of the one before, or nowhere near
+            let (foot, off) = self.follower.foot(middle, at);
+            if off <= least {
+                at = foot;
+                continue;
+            }
             if let Some(found) = self.far(&mut tree, point, middle, ("vertex", k), meter) {
                 return Some(found);
             }

@@ -73,7 +73,7 @@ impl Polyline {
 /// *Meaning.* The Frechet distance of spine and polyline is at most `tolerance` and less than delta, and the polyline meets each
 /// normal disk of radius `distance.hi` just once, in the order of the spine (an open spine: those between the disks of the first and
 /// last vertex, beyond which the spine is within `tolerance` of them). So sliding inside the disks carries one to the other: it
-/// is the same knot (theory.md, section 7, Theorem P', without the stubs).
+/// is the same knot (theory.md, section 7, Theorem P').
 ///
 /// *Exactness.* Vertices are rounded to f64; the proof is about the rounded ones. Each edge is proved in intervals: its arc
 /// nowhere turns back against it, is nowhere farther than allowed, and reaches beyond its normal disks at both vertices.
@@ -109,12 +109,16 @@ pub fn polyline(spine: &Spine, tolerance: f64, options: &PolylineOptions) -> Res
     let boxed = |x: f64| rational_from_f64(x).map_or(f64::INFINITY, |x| f64_below(&(x * &scale)));
     // strictly inside the tube
     let limit = boxed(tolerance).min(SHARE * boxed(answer.delta.lo));
-    let exact = |v: &[f64; 3], at_start: bool| {
-        let point = |x: f64| parse_rational(&nearest_text(x)).ok();
-        let end = end(spine, !at_start);
-        v.iter().zip(&end).all(|(x, end)| point(*x).as_ref() == Some(end))
+    // where its decimal is exactly that
+    let exact = |finish: bool| {
+        let told = |x: &Rational| {
+            let near = [f64_below(x), f64_above(x)];
+            near.into_iter().find(|near| parse_rational(&nearest_text(*near)).is_ok_and(|y| y == *x))
+        };
+        let [x, y, z] = end(spine, finish).each_ref().map(told);
+        Some([x?, y?, z?]).filter(|_| !spine.closed)
     };
-    let found = if limit > 0.0 { course(&rail, limit, exact, &mut meter) } else { None };
+    let found = if limit > 0.0 { course(&rail, limit, [false, true].map(exact), &mut meter) } else { None };
     let mut line = Polyline {
         vertices: vec![],
         parameters: vec![],
@@ -181,6 +185,6 @@ pub(crate) fn proof(
     let ends = found.ends.map(|ends| ends.map(rational));
     // half way between the two
     let tube = tube(frame, if delta.is_finite() { distance.midpoint(delta) } else { f64::INFINITY })?;
-    let evidence = Evidence::Polyline(PolylineEvidence { claim, ends, edges, tube });
+    let evidence = Evidence::Polyline(PolylineEvidence { claim, ends, stubs: found.stubs.clone(), edges, tube });
     Some(Certificate { digest: spine.curve().digest(), evidence })
 }

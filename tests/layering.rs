@@ -29,7 +29,19 @@ const TABLE: &[(&str, &[&str])] = &[
     ("pairs", &["certificate", "claim", "enclosure", "error", "number", "options", "search", "spine"]),
     (
         "judge",
-        &["certificate", "claim", "enclosure", "error", "number", "options", "polyline", "radius", "search", "spine"],
+        &[
+            "certificate",
+            "claim",
+            "enclosure",
+            "error",
+            "integer",
+            "number",
+            "options",
+            "polyline",
+            "radius",
+            "search",
+            "spine",
+        ],
     ),
     ("polyline", &["certificate", "claim", "error", "number", "options", "radius", "search", "spine"]),
     (

@@ -492,6 +492,51 @@ fn feet_that_are_hard_to_tell() {
     assert_eq!(judged(&knot, &line.claim().unwrap().vertices, 10.0).verdict, Verdict::Certified);
 }
 
+/// Beyond the ends of an open spine by less than the tolerance: certified on the spine prolonged by stubs.
+#[test]
+fn beyond_the_ends() {
+    for name in ["m98_5_2", "m98_5_3", "straight_line", "pierced_end", "m98_5_6_1"] {
+        let curve = file(name);
+        let line = made(&curve, 1e-2);
+        let vertices = line.claim().unwrap().vertices;
+        let points = near(&vertices);
+        let n = points.len();
+        let out = |k: usize, inner: usize, by: f64| {
+            let d = sub(&points[k], &points[inner]);
+            let size = dot(&d, &d).sqrt();
+            shifted(&vertices[k], d.map(|x| x / size * by))
+        };
+        for (start, finish) in [(3e-3, 0.0), (0.0, 1e-7), (5e-3, 4e-3), (1e-12, 1e-3)] {
+            let mut moved = vertices.clone();
+            (moved[0], moved[n - 1]) = (out(0, 1, start), out(n - 1, n - 2, finish));
+            let mut backwards = moved.clone();
+            backwards.reverse();
+            for moved in [moved, backwards] {
+                let answer = judged(&curve, &moved, 1.2e-2);
+                assert_eq!(answer.verdict, Verdict::Certified, "{name} {start} {finish} {answer:?}");
+                assert!(answer.distance.hi >= start.max(finish) * 0.9);
+                let (claim, certificate) = (answer.claim.unwrap(), answer.certificate.unwrap());
+                let spine = sampled(&curve, 300);
+                let [far, back] = hausdorff(&spine, &near(&claim.vertices), false);
+                assert!(far <= answer.distance.hi * (1.0 + 1e-9) && back <= answer.distance.hi + 1e-4);
+                let claim = Claim { curve: curve.clone(), statement: Statement::Polyline(claim) };
+                verify(&claim, &certificate).unwrap();
+                // without the stubs, with others, or one for the other, it proves nothing
+                let text = certificate.encode();
+                let stubs = text.lines().find(|line| line.starts_with("stubs")).unwrap();
+                for other in ["stubs 0 0\n".to_string(), "stubs -1 1/2\n".to_string(), String::new()] {
+                    let text = text.replace(&format!("{stubs}\n"), &other);
+                    let certificate = Certificate::decode(text.as_bytes());
+                    assert!(certificate.is_err() || verify(&claim, &certificate.unwrap()).is_err(), "{other}");
+                }
+            }
+        }
+        let mut far = vertices.clone();
+        far[0] = out(0, 1, 2e-2);
+        assert_eq!(judged(&curve, &far, 1e-2).verdict, Verdict::Refuted);
+    }
+}
+
 /// On an open spine the order of the vertices is theirs, on a closed one the start is free.
 #[test]
 fn another_order_is_another_polyline() {

@@ -15,6 +15,8 @@ pub(crate) struct Evidence {
     pub(crate) claim: Polyline,
     /// Of an open spine: positions beyond the disks of the first and the last vertex.
     pub(crate) ends: Option<[Rational; 2]>,
+    /// Of an open spine that is prolonged by straight stubs: their lengths in those of the control legs at its ends.
+    pub(crate) stubs: Option<[Rational; 2]>,
     /// For each edge increasing positions, the whole ones in between among them.
     pub(crate) edges: Vec<Vec<Rational>>,
     pub(crate) tube: Tube,
@@ -27,6 +29,7 @@ impl Evidence {
         self.claim.vertices.iter().for_each(|vertex| line("vertex", vertex));
         self.edges.iter().for_each(|edge| line("edge", edge));
         self.ends.iter().for_each(|ends| line("ends", ends));
+        self.stubs.iter().for_each(|stubs| line("stubs", stubs));
         out + &self.tube.encode()
     }
 
@@ -48,13 +51,12 @@ impl Evidence {
             let fields = lines.after("edge")?;
             edges.push(fields.iter().map(|text| lines.rational(text)).collect::<Result<_, _>>()?);
         }
-        let ends = if lines.next_is("ends") {
-            let fields = lines.fields("ends")?;
-            Some(lines.rationals(fields)?)
-        } else {
-            None
+        let mut both = |word| {
+            let fields = if lines.next_is(word) { Some(lines.fields(word)?) } else { None };
+            fields.map(|fields| lines.rationals(fields)).transpose()
         };
+        let (ends, stubs) = (both("ends")?, both("stubs")?);
         let closed = ends.is_none();
-        Ok(Self { claim: Polyline { vertices, closed, distance }, ends, edges, tube: lines.tube()? })
+        Ok(Self { claim: Polyline { vertices, closed, distance }, ends, stubs, edges, tube: lines.tube()? })
     }
 }

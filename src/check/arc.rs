@@ -128,10 +128,13 @@ impl Spine {
             let [x, y, z, w] = [x, y, z, w].map(|c| Poly::bernstein(c).scaled(&sign));
             Piece::new(BigInt::from(k) << DEPTH, BigInt::from(k + 1) << DEPTH, [x, y, z], w)
         };
-        let spans = bezier(curve).enumerate().map(span).collect();
-        let mut spine = Self { spans, closed: false, kept: RefCell::default() };
+        let mut spine = Self::open(bezier(curve).enumerate().map(span).collect());
         spine.closed = spine.is_smooth(0);
         spine
+    }
+
+    pub(super) fn open(spans: Arc) -> Self {
+        Self { spans, closed: false, kept: RefCell::default() }
     }
 
     /// The ends of the spans.

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 
-use super::arc::{Piece, Spine};
+use super::arc::{DEPTH, Piece, Spine};
 use super::poly::{Poly, dot};
 use super::range::Range;
 use super::rules::{Why, check};
@@ -20,11 +20,15 @@ type Vector = [BigInt; 3];
 
 /// Whether the evidence proves the claim.
 pub(super) fn verify(spine: &Spine, claim: &Polyline, found: &PolylineEvidence) -> Result<(), Rejection> {
-    let (Polyline { vertices, closed, distance }, PolylineEvidence { ends, edges, tube, .. }) = (claim, found);
+    let (Polyline { vertices, closed, distance }, PolylineEvidence { ends, stubs, edges, tube, .. }) = (claim, found);
     let mut numbers = vertices.iter().flatten().chain([distance]);
     wanted(numbers.all(|x| x.denom().is_positive()), "vertex", "a number has no positive denominator")?;
     wanted(!distance.is_negative(), "distance", "it is negative")?;
     wanted(*closed == spine.closed, "vertex", "of the spine and the polyline one is closed, the other is not")?;
+    wanted(!spine.closed || stubs.is_none(), "stubs", "the spine is closed")?;
+    let prolonged = stubs.as_ref().map(|stubs| prolonged(spine, stubs)).transpose();
+    let prolonged = prolonged.map_err(|why| Rejection::of("stubs", why))?;
+    let spine = prolonged.as_ref().unwrap_or(spine);
     let inside = tube.lo.as_ref().is_none_or(|lo| lo.denom().is_positive() && compare(distance, lo).is_lt());
     wanted(inside, "distance", "it is not less than the radius of the tube")?;
     radius::verify(spine, [&tube.lo, &tube.hi], tube)?;
@@ -57,11 +61,46 @@ pub(super) fn verify(spine: &Spine, claim: &Polyline, found: &PolylineEvidence) 
         let begins = edges.first().and_then(|edge| edge.first()).is_some_and(|from| compare(from, start).is_le());
         let ends = edges.last().and_then(|edge| edge.last()).is_some_and(|to| compare(finish, to).is_le());
         wanted(begins && ends, "ends", "a position is not on the arc of an edge")?;
+        // a stub, and with it the end of the spine, is near the vertex, whose edge leaves the stub
+        let second = edges.get(1).and_then(|edge| edge.first()).unwrap_or(finish);
+        let before_last = edges.iter().nth_back(1).and_then(|edge| edge.last()).unwrap_or(start);
+        let [before, after] = stubs.as_ref().map_or([false; 2], |stubs| stubs.each_ref().map(|u| !u.is_zero()));
+        let one = Rational::from(BigInt::from(1));
+        let leaves = !before || [start, second].iter().all(|x| compare(x, &one).is_ge());
+        let enters = !after || [finish, before_last].iter().all(|x| compare(x, &(&turn - &one)).is_le());
+        wanted(leaves && enters, "ends", "a stub is not covered")?;
         let at_start = covered(spine, first, start, [&zero, start], distance, Sign::Minus);
         let both = at_start.and_then(|()| covered(spine, last, finish, [finish, &turn], distance, Sign::Plus));
         both.map_err(|why| Rejection::of("ends", why))?;
     }
     Ok(())
+}
+
+/// An open spine with straight pieces before and after it, so long in terms of the control legs there; 0: none.
+fn prolonged(spine: &Spine, [before, after]: &[Rational; 2]) -> Result<Spine, Why> {
+    let (first, last) = spine.spans.first().zip(spine.spans.last()).ok_or("there is no span")?;
+    let stub = |piece: &Piece, u: &Rational, at_start: bool| {
+        let (short, w) = (Range::point(u).is_short() && !u.is_negative(), piece.full_weight());
+        check(short && w.is_positive(), "a length is negative or too long, or a control weight not positive")?;
+        let leg = |f: &Poly| {
+            let ends = if at_start { (f.0.first(), f.0.get(1)) } else { (f.0.last(), f.0.iter().nth_back(1)) };
+            Ok::<_, Why>((ends.0.cloned().ok_or("there is no leg")?, ends.1.cloned().ok_or("there is no leg")?))
+        };
+        let (v, w) = leg(&w)?;
+        // C - u (P - C) with C = r/v and P = s/w, times v w and the denominator of u
+        let (p, q) = (u.numer(), u.denom());
+        let [x, y, z] = piece.r.each_ref().map(|f| {
+            let (r, s) = leg(f)?;
+            let (near, far) = (&r * &w * q, &r * &w * (q + p) - p * s * &v);
+            Ok::<_, Why>(Poly(if at_start { vec![far, near] } else { vec![near, far] }))
+        });
+        Ok::<_, Why>((!u.is_zero()).then_some(([x?, y?, z?], Poly::constant(v * w * q))))
+    };
+    let (start, finish) = (stub(first, before, true)?, stub(last, after, false)?);
+    let body = spine.spans.iter().map(|piece| (piece.r.clone(), piece.w.clone()));
+    let all = start.into_iter().chain(body).chain(finish).enumerate();
+    let place = |k: usize| BigInt::from(k) << DEPTH;
+    Ok(Spine::open(all.map(|(k, (r, w))| Piece::new(place(k), place(k + 1), r, w)).collect()))
 }
 
 /// A point, times q.

@@ -6,7 +6,8 @@ use crate::number::Rational;
 ///
 /// Claimed is: the Frechet distance of polyline and spine is at most `distance`, which is less than delta; and each point of the
 /// polyline lies in the normal disk of radius `distance` of exactly one parameter, which increases along the polyline, once
-/// round a closed spine. The parts of an open spine before the first and beyond the last of these disks are within `distance` of
+/// round a closed spine; an open spine counts as prolonged by straight stubs, if its polyline reaches beyond its ends by less than
+/// `distance`. The parts of an open spine before the first and beyond the last of these disks are within `distance` of
 /// the first and the last vertex.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Polyline {

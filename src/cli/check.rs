@@ -21,7 +21,13 @@ pub fn run(args: &CheckArgs) -> Said {
         .max_cells(common.max_cells)
         .budget(job.budget())
         .progress(job.progress());
-    let answer = job.done(tubecert::check(&job.spine, &vertices, args.tolerance, &options))?;
+    let answer =
+        job.done(tubecert::check(&job.spine, &vertices, args.tolerance, &options)).map_err(|mut failure| {
+            if failure.key.as_deref() == Some("vertices") {
+                failure.file = Some(args.polyline.display().to_string());
+            }
+            failure
+        })?;
     if let Some(claim) = &answer.claim {
         job.certify(answer.certificate.as_ref(), Statement::Polyline(claim.clone()))?;
     }
@@ -99,7 +105,7 @@ fn as_text(job: &Job, answer: &Check, tolerance: f64) -> String {
                 }
                 "edge_not_proved" => format!("an edge was not proved:{place}"),
                 "end_not_covered" => {
-                    "an end of the spine is not covered, or an end of the polyline lies beyond it: move it onto the end"
+                    "an end of the spine is not covered, or an end of the polyline lies too far beyond it; move it onto the end"
                         .to_string()
                 }
                 _ => format!("the limits ended the search, or delta may be 0; {}", job.limit(answer.stopped)),

@@ -45,7 +45,8 @@ pub fn run(args: &PolylineArgs) -> Said {
 fn written(path: &Path, job: &Job, answer: &Polyline) -> Option<String> {
     let line = |[x, y, z]: &[f64; 3], by: &str| [x, y, z].map(|x| nearest_text(*x)).join(by);
     let mut text = String::new();
-    match path.extension().and_then(|ending| ending.to_str()) {
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    match ending.as_deref() {
         Some("json") => return Some(as_json(job, answer)),
         Some("csv") => answer.vertices.iter().for_each(|vertex| text += &(line(vertex, ",") + "\n")),
         Some("obj") => {

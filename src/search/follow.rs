@@ -40,14 +40,11 @@ impl<'a> Follower<'a> {
         Self { rail, closed, samples, lengths }
     }
 
-    /// (x - C).C' and an estimate of how it falls, at a position.
-    fn slope(&self, x: &V3, position: f64) -> (f64, f64) {
-        let h = 1e-6;
-        let (a, b, c) = (self.rail.place(position - h), self.rail.place(position), self.rail.place(position + h));
-        let first: V3 = [0, 1, 2].map(|k| (c[k] - a[k]) / (2.0 * h));
-        let second: V3 = [0, 1, 2].map(|k| (c[k] - 2.0 * b[k] + a[k]) / (h * h));
-        let away = sub(x, &b);
-        (dot(&away, &first), dot(&first, &first) - dot(&away, &second).min(0.5 * dot(&first, &first)))
+    /// (x - C).C' and how it falls, at a position, at least half as for a line; and |C'|.
+    fn slope(&self, x: &V3, position: f64) -> (f64, f64, f64) {
+        let [point, first, second] = self.rail.jet(position);
+        let (away, speed) = (sub(x, &point), dot(&first, &first));
+        (dot(&away, &first), speed - dot(&away, &second).min(0.5 * speed), speed.sqrt())
     }
 
     fn held(&self, position: f64) -> f64 {
@@ -74,10 +71,11 @@ impl<'a> Follower<'a> {
     pub(crate) fn foot(&self, x: &V3, near: f64) -> (f64, f64) {
         let (mut at, mut reached) = (self.held(near), false);
         for _ in 0..STEPS {
-            let (along, rate) = self.slope(x, at);
+            let (along, rate, speed) = self.slope(x, at);
             let step = (along / rate).clamp(-0.25, 0.25);
             let next = self.held(at + step);
-            if (next - at).abs() <= 1e-13 * (1.0 + at.abs()) {
+            // no farther than rounding, of the parameter or of the box
+            if (next - at).abs() <= (1e-12 * (1.0 + at.abs())).max(1e-14 / speed) {
                 (at, reached) = (next, true);
                 break;
             }

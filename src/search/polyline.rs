@@ -48,6 +48,8 @@ pub(crate) struct Course {
     pub(crate) edges: Vec<Vec<f64>>,
     /// Of an open spine: beyond the disks of the first and the last vertex.
     pub(crate) ends: Option<[f64; 2]>,
+    /// The lengths of the stubs of a spine that was prolonged.
+    pub(crate) stubs: Option<[Rational; 2]>,
     /// No point is farther, in the box.
     pub(crate) distance: f64,
 }
@@ -176,14 +178,38 @@ impl<'a> Rail<'a> {
 
     /// A point of the spine in the box, nearly; beyond the ends of an open one its polynomials go on.
     pub(crate) fn place(&self, position: f64) -> [f64; 3] {
+        self.jet(position)[0]
+    }
+
+    /// C, C' and C'' there, nearly.
+    pub(crate) fn jet(&self, position: f64) -> [[f64; 3]; 3] {
         let (span, t) = self.local(position, false);
         let mut c = self.spans[span].near.clone();
-        for level in (1..c.len()).rev() {
+        let n = c.len() - 1;
+        let [mut first, mut second] = [[0.0; 4]; 2];
+        for level in (1..=n).rev() {
+            // of c there are level + 1
+            if level == 2 {
+                second = [0, 1, 2, 3].map(|k| (n * (n - 1)) as f64 * (c[2][k] - 2.0 * c[1][k] + c[0][k]));
+            }
+            if level == 1 {
+                first = [0, 1, 2, 3].map(|k| n as f64 * (c[1][k] - c[0][k]));
+            }
             for i in 0..level {
                 c[i] = std::array::from_fn(|k| (1.0 - t) * c[i][k] + t * c[i + 1][k]);
             }
         }
-        [0, 1, 2].map(|k| c[0][k] / c[0][3])
+        let w = c[0][3];
+        let point = [0, 1, 2].map(|k| c[0][k] / w);
+        let slope = [0, 1, 2].map(|k| (first[k] - first[3] * point[k]) / w);
+        let bend = [0, 1, 2].map(|k| (second[k] - 2.0 * first[3] * slope[k] - second[3] * point[k]) / w);
+        [point, slope, bend]
+    }
+
+    /// The step of the parameter that is so long at a position, nearly.
+    pub(crate) fn step(&self, position: f64, length: f64) -> f64 {
+        let [_, [x, y, z], _] = self.jet(position);
+        (length / (x * x + y * y + z * z).sqrt()).min(1.0)
     }
 
     /// What a point of the box is in the curve's own coordinates.
@@ -256,15 +282,15 @@ impl<'a> Rail<'a> {
         self.snapped(joint + rest.clamp(-0.5, 0.5))
     }
 
-    /// The cuts of an arc: its ends, the joints inside, its middle.
+    /// The cuts of an arc: its ends, the joints inside, and the middles in between, as control points are farther off than halves.
     pub(crate) fn cuts(&self, from: f64, to: f64) -> Vec<f64> {
-        let mut cuts = vec![from, to, self.snapped(from.midpoint(to))];
-        let (mut joint, last) = (from.floor() + 1.0, to);
-        while joint < last {
-            cuts.push(joint);
-            joint += 1.0;
+        let mut cuts = vec![from];
+        let mut at = from;
+        while at < to {
+            let next = (at.floor() + 1.0).min(to);
+            cuts.extend([self.snapped(at.midpoint(next)), next]);
+            at = next;
         }
-        cuts.sort_by(f64::total_cmp);
         cuts.dedup();
         cuts
     }
@@ -368,21 +394,16 @@ fn forward((r, w): &(Vec<Point>, Vec<Interval>), d: &Point) -> bool {
     sums.iter().all(|sum| sum.is_positive())
 }
 
-/// Makes the polyline, no farther from the spine than `limit`, in the box. `exact` tells whether a vertex, as printed, is an end of
-/// the spine exactly. `None` if the meter ran out, or an edge cannot be proved at any length.
-pub(crate) fn course(
-    rail: &Rail,
-    limit: f64,
-    exact: impl Fn(&[f64; 3], bool) -> bool,
-    meter: &mut Meter,
-) -> Option<Course> {
+/// Makes the polyline, no farther from the spine than `limit`, in the box. `exact` are the ends of an open spine, where three f64 are,
+/// as printed, exactly that. `None` if the meter ran out, or an edge cannot be proved at any length.
+pub(crate) fn course(rail: &Rail, limit: f64, exact: [Option<[f64; 3]>; 2], meter: &mut Meter) -> Option<Course> {
     let (count, closed) = (rail.count(), rail.frame.closed);
     let (mut start, mut finish, mut known, mut ends) = (0.0, count, [false; 2], None);
     let mut most = 0.0_f64;
     if !closed {
         let mut places = [0.0, count];
         for (k, place) in [&mut start, &mut finish].into_iter().enumerate() {
-            known[k] = exact(&rail.near(*place), k == 0);
+            known[k] = exact[k].is_some();
             if !known[k] {
                 let (inside, beyond, off) = rail.inward(k == 0, limit)?;
                 (*place, places[k], most) = (inside, beyond, most.max(off));
@@ -390,8 +411,14 @@ pub(crate) fn course(
         }
         ends = Some(places);
     }
-    let mut course =
-        Course { vertices: vec![rail.near(start)], positions: vec![start], edges: vec![], ends, distance: 0.0 };
+    let mut course = Course {
+        vertices: vec![exact[0].unwrap_or_else(|| rail.near(start))],
+        positions: vec![start],
+        edges: vec![],
+        ends,
+        stubs: None,
+        distance: 0.0,
+    };
     let first = rail.vertex(&course.vertices[0]);
     let held = |x: f64| if closed { x } else { x.clamp(0.0, count) };
     // round a closed spine in four edges at the least
@@ -417,12 +444,16 @@ pub(crate) fn course(
                 return None;
             }
             let ended = to >= finish;
-            let place = if ended && closed { course.vertices[0] } else { rail.near(to) };
+            let place = match exact[1].filter(|_| ended) {
+                Some(end) => end,
+                None if ended && closed => course.vertices[0],
+                None => rail.near(to),
+            };
             let vertex = rail.vertex(&place);
-            let (tried, reach) = (to - at, REACH * (to - at));
+            let (tried, length) = (to - at, square(&sub(&vertex, &from)).sqrt().mid());
             let exactly = [known[0] && course.edges.is_empty(), known[1] && ended];
-            let low = if exactly[0] { 0.0 } else { held(rail.moved(at, -reach)) };
-            let high = if exactly[1] { count } else { held(rail.moved(to, reach)) };
+            let low = if exactly[0] { 0.0 } else { held(rail.moved(at, -REACH * rail.step(at, length))) };
+            let high = if exactly[1] { count } else { held(rail.moved(to, REACH * rail.step(to, length))) };
             let cuts = rail.cuts(low, high);
             let off = rail.edge(&from, &vertex, &cuts, exactly);
             let share = off.map(|off| 0.985 * (limit / off.max(1e-300)).sqrt());
