@@ -297,6 +297,25 @@ fn other_vertices_are_rejected() {
     }
 }
 
+/// A spike that leaves a straight spine, along arcs that lie near its lines: only that the arcs do not reach beyond its vertex
+/// tells that it is far away.
+#[test]
+fn a_spike_is_rejected() {
+    let curve = bezier_int(&[[0, 0, 0], [1, 0, 0]]);
+    let text = made(&curve, 0.1).certificate.unwrap().encode();
+    let (head, tube) = (&text[..text.find("distance").unwrap()], &text[text.find("ends").unwrap()..]);
+    let judged = |top: &str| {
+        let body = format!(
+            "distance 1/10\nvertex 0 0 0\nvertex 1/2 0 0\nvertex 51/100 {top} 0\nvertex 13/25 0 0\nvertex 1 0 0\n"
+        );
+        let edges = "edge 0 3/5\nedge 1/2 51/100\nedge 51/100 13/25\nedge 2/5 1\n";
+        let text = format!("{head}{body}{edges}{tube}");
+        let certificate = Certificate::decode(text.as_bytes()).unwrap();
+        verify(&certificate.claim(curve.clone()), &certificate).map(|_| ()).map_err(|why| why.to_string())
+    };
+    assert!(judged("3").unwrap_err().contains("reach beyond"), "{:?}", judged("3"));
+}
+
 /// Every certificate with a field or a line changed is none, is rejected, or proves what is true.
 #[test]
 fn mutants_prove_nothing_false() {
