@@ -157,9 +157,9 @@ pub fn check(
             let rail = Rail::new(&frame);
             let other = Job::new(&longer, &frame, &rail, &vertices, job.numbers.clone(), tolerance, tube);
             let has = stubs.each_ref().map(Signed::is_positive);
-            let proved = other.proved(has, &mut meter).map(|(course, reversed)| {
-                (Course { stubs: Some(stubs), ..course }, reversed, Some((longer.clone(), tube)))
-            });
+            let proved = other.proved(has, &mut meter);
+            let proved = proved
+                .map(|(course, reversed)| (Course { stubs: Some(stubs), ..course }, reversed, Some((frame, tube))));
             proved.or(found)
         }
     };
@@ -171,8 +171,7 @@ pub fn check(
                 // a closed one starts where it did
                 vertices.rotate_right(usize::from(spine.closed));
             }
-            let frame = other.as_ref().map_or(frame, |(longer, _)| Frame::new(longer));
-            let tube = other.as_ref().map_or(tube, |(_, tube)| *tube);
+            let (frame, tube) = other.unwrap_or((frame, tube));
             let most = rational_from_f64(course.distance).map_or(f64::INFINITY, |x| f64_above(&frame.length(&x)));
             answer.distance.hi = most;
             let distance = parse_rational(&upper_text(most))?;

@@ -171,8 +171,7 @@ impl<'a> Rail<'a> {
 
     /// A point of the spine in the curve's own coordinates, nearly.
     pub(crate) fn near(&self, position: f64) -> [f64; 3] {
-        let (span, t) = self.local(position, false);
-        let at = self.at(span, t);
+        let at = self.enclosed(position);
         [0, 1, 2].map(|k| (Interval::point(at[k].mid()).scale2(-self.scale()) + self.origin[k]).mid())
     }
 
