@@ -1,17 +1,18 @@
 //! Critical points of curvature, against published values, exact samples and Sturm's theorem; certificates and limits.
 #![cfg(feature = "search")]
 
+mod mutants;
 mod oracle;
 mod random;
 mod shapes;
 
+use mutants::*;
 use num_traits::{One, Signed, Zero};
 use oracle::{Oracle, exact, root};
 use proptest::prelude::*;
 use random::*;
 use shapes::*;
 use tubecert::claim::CriticalPoints;
-use tubecert::number::{parse_rational, to_fraction_text};
 use tubecert::{
     Certificate, Claim, CriticalKind, CriticalPoint, Curvature, CurvatureOptions, Curve, Enclosure, Rational, Spine,
     Statement, curvature, verify,
@@ -564,47 +565,24 @@ fn mutants_prove_nothing_false() {
         let (truth, text) = (statement(&certificate, &curve), certificate.encode());
         let oracle = Oracle::new(&curve);
         let samples: Vec<Rational> = (0..=200).map(|i| oracle.kappa_sq(0, &q(i, 200))).collect();
-        let lines: Vec<&str> = text.lines().collect();
+        let spelled = |field: &str| match field {
+            "maximum" => vec!["minimum".to_string()],
+            "minimum" | "inflection" => vec!["maximum".to_string()],
+            "unique" => vec!["open".to_string()],
+            _ => numbers(field, |x| {
+                [int(1), int(-1), q(1, 1 << 40), q(-1, 1 << 40), -x].iter().map(|by| x + by).collect()
+            }),
+        };
         let (mut accepted, mut rejected) = (0, 0);
-        for (i, line) in lines.iter().enumerate() {
-            let fields: Vec<&str> = line.split(' ').collect();
-            let mut mutants: Vec<Option<String>> = vec![None, Some(format!("{line}\n{line}"))];
-            for (k, field) in fields.iter().enumerate() {
-                let mut with = |text: String| {
-                    let mut fields = fields.clone();
-                    fields[k] = &text;
-                    mutants.push(Some(fields.join(" ")));
-                };
-                if let Ok(x) = parse_rational(field) {
-                    for by in [int(1), int(-1), q(1, 1 << 40), q(-1, 1 << 40), -&x] {
-                        with(to_fraction_text(&(&x + by)));
-                    }
-                }
-                match *field {
-                    "maximum" => with("minimum".to_string()),
-                    "minimum" | "inflection" => with("maximum".to_string()),
-                    "unique" => with("open".to_string()),
-                    _ => {}
-                }
+        for text in mutants(&text, |line| with_fields(line, spelled)) {
+            let Ok(certificate) = Certificate::decode(text.as_bytes()) else { continue };
+            let claim = certificate.claim(curve.clone());
+            if verify(&claim, &certificate).is_err() {
+                rejected += 1;
+                continue;
             }
-            for mutant in mutants {
-                let all = lines
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(j, line)| if i == j { mutant.clone() } else { Some((*line).to_string()) });
-                let text: String = all.map(|line| line + "\n").collect();
-                let Ok(certificate) = Certificate::decode(text.as_bytes()) else { continue };
-                let claim = certificate.claim(curve.clone());
-                if verify(&claim, &certificate).is_err() {
-                    rejected += 1;
-                    continue;
-                }
-                accepted += 1;
-                assert!(
-                    is_true(&statement(&certificate, &curve), &truth, &samples),
-                    "a false claim is accepted\n{text}"
-                );
-            }
+            accepted += 1;
+            assert!(is_true(&statement(&certificate, &curve), &truth, &samples), "a false claim is accepted\n{text}");
         }
         assert!(accepted > 3 && rejected > 30, "{accepted} accepted, {rejected} rejected");
     }

@@ -2,10 +2,12 @@
 //! degenerate spines, certificates and their mutants.
 #![cfg(feature = "search")]
 
+mod mutants;
 mod oracle;
 mod random;
 mod shapes;
 
+use mutants::*;
 use num_traits::{Signed, ToPrimitive};
 use oracle::Oracle;
 use proptest::prelude::*;
@@ -281,49 +283,27 @@ fn mutants_prove_nothing_false() {
         let curve = file(name);
         let answer = answer(&curve);
         let (truth, text) = (claimed(&answer), answer.certificate.unwrap().encode());
-        let lines: Vec<&str> = text.lines().collect();
+        let changed = |x: &Rational| {
+            let by = [int(1), int(-1), q(1, 1 << 40), q(-1, 1 << 40)];
+            by.iter().map(|by| x + by).chain([-x]).collect()
+        };
+        let nodes = ["/", "1", "2", "open", "pair 0", "pair 1", "side 1 0", "side 0 1", "side 1 1"];
+        let others = |line: &str| {
+            let node = ["/", "1", "2"].contains(&line) || line.starts_with("side") || line.starts_with("cone");
+            let nodes = nodes.iter().filter(|_| node).map(|node| (*node).to_string());
+            with_fields(line, |field| numbers(field, changed)).into_iter().chain(nodes).collect()
+        };
         let (mut accepted, mut rejected) = (0, 0);
-        for (i, line) in lines.iter().enumerate() {
-            let fields: Vec<&str> = line.split(' ').collect();
-            let mut mutants: Vec<Option<String>> = vec![None, Some(format!("{line}\n{line}"))];
-            for (k, field) in fields.iter().enumerate() {
-                let mut with = |text: String| {
-                    let mut fields = fields.clone();
-                    fields[k] = &text;
-                    mutants.push(Some(fields.join(" ")));
-                };
-                if let Ok(x) = parse_rational(field) {
-                    for by in [int(1), int(-1), q(1, 1 << 40), q(-1, 1 << 40)] {
-                        with(tubecert::number::to_fraction_text(&(&x + by)));
-                    }
-                    with(tubecert::number::to_fraction_text(&-x));
-                }
+        for text in mutants(&text, others) {
+            let Ok(certificate) = Certificate::decode(text.as_bytes()) else { continue };
+            let claim = certificate.claim(curve.clone());
+            if verify(&claim, &certificate).is_err() {
+                rejected += 1;
+                continue;
             }
-            if ["/", "1", "2"].contains(line) || line.starts_with("side") || line.starts_with("cone") {
-                mutants.extend(
-                    ["/", "1", "2", "open", "pair 0", "pair 1", "side 1 0", "side 0 1", "side 1 1"]
-                        .map(|l| Some(l.into())),
-                );
-            }
-            for mutant in mutants {
-                let all = lines
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(j, line)| if i == j { mutant.clone() } else { Some((*line).to_string()) });
-                let text: String = all.map(|line| line + "\n").collect();
-                if text == lines.join("\n") + "\n" {
-                    continue;
-                }
-                let Ok(certificate) = Certificate::decode(text.as_bytes()) else { continue };
-                let claim = certificate.claim(curve.clone());
-                if verify(&claim, &certificate).is_err() {
-                    rejected += 1;
-                    continue;
-                }
-                accepted += 1;
-                let Statement::Pairs(claim) = claim.statement else { panic!("another kind") };
-                is_true(&claim, &truth).unwrap_or_else(|why| panic!("{why}\n{text}"));
-            }
+            accepted += 1;
+            let Statement::Pairs(claim) = claim.statement else { panic!("another kind") };
+            is_true(&claim, &truth).unwrap_or_else(|why| panic!("{why}\n{text}"));
         }
         println!("{name}: {accepted} accepted, {rejected} rejected");
         assert!(accepted > 10 && rejected > 100);

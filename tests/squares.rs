@@ -1,16 +1,18 @@
 //! |C'|^2 as a sum of two squares: published values, the identity itself in exact arithmetic, counts, certificates.
 #![cfg(feature = "search")]
 
+mod mutants;
 mod polynomials;
 mod random;
 mod shapes;
 
+use mutants::*;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 use polynomials::*;
 use proptest::prelude::*;
 use random::{settings, small_spine};
 use shapes::{Point, bezier, bezier_int};
-use tubecert::number::{parse_rational, rational_from_f64, to_fraction_text};
+use tubecert::number::rational_from_f64;
 use tubecert::roots::complex_roots;
 use tubecert::{
     Certificate, Curve, Enclosure, Rational, SegmentSquares, Spine, Squares, SquaresOptions, squares, verify,
@@ -266,61 +268,41 @@ fn certificates_and_their_mutants() {
         verify(&certificate.claim(curve.clone()), &certificate).unwrap();
         let f = speed_squared(&curve);
         let truth = complex_roots(&f).unwrap();
-        let lines: Vec<&str> = text.lines().collect();
+        let changed = |x: &Rational| vec![x + int(1), x - int(1), -x, x * q_(1001, 1000), int(0)];
         let (mut accepted, mut rejected) = (0, 0);
-        for (i, line) in lines.iter().enumerate() {
-            let fields: Vec<&str> = line.split(' ').collect();
-            let mut mutants: Vec<Option<String>> = vec![None, Some(format!("{line}\n{line}"))];
-            for (k, field) in fields.iter().enumerate() {
-                let Ok(x) = parse_rational(field) else { continue };
-                for y in [&x + int(1), &x - int(1), -&x, &x * q_(1001, 1000), int(0)] {
-                    let text = to_fraction_text(&y);
-                    let mut fields = fields.clone();
-                    fields[k] = &text;
-                    mutants.push(Some(fields.join(" ")));
-                }
+        for mutant in mutants(&text, |line| with_fields(line, |field| numbers(field, changed))) {
+            let Ok(certificate) = Certificate::decode(mutant.as_bytes()) else { continue };
+            let claim = certificate.claim(curve.clone());
+            if verify(&claim, &certificate).is_err() {
+                rejected += 1;
+                continue;
             }
-            for mutant in mutants {
-                let all = lines
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(j, line)| if i == j { mutant.clone() } else { Some((*line).to_string()) });
-                let mutant: String = all.map(|line| line + "\n").collect();
-                let Ok(certificate) = Certificate::decode(mutant.as_bytes()) else { continue };
-                let claim = certificate.claim(curve.clone());
-                if mutant == text || verify(&claim, &certificate).is_err() {
-                    rejected += 1;
-                    continue;
-                }
-                accepted += 1;
-                let tubecert::Statement::Squares(segments) = claim.statement else { panic!("another kind") };
-                let [segment] = &segments[..] else { panic!("another number of segments") };
-                assert_eq!(segment.roots.len(), truth.len(), "{mutant}");
-                for claimed in &segment.roots {
-                    let held = truth.iter().filter(|root| {
-                        let (r, re, im) = (root.radius(), root.re(), root.im());
-                        let meets = |[lo, hi]: &[Rational; 2], x: &Rational| *lo <= x + &r && x - &r <= *hi;
-                        meets(&claimed.re, &re)
-                            && meets(&claimed.im, &im)
-                            && claimed.multiplicity == root.multiplicity()
-                    });
-                    assert!(held.count() > 0, "{mutant}");
-                }
-                for two in &segment.decompositions {
-                    let exact = |list: &[[Rational; 2]]| -> Vec<Enclosure> {
-                        let f = |x: &Rational| x.to_f64().unwrap();
-                        list.iter().map(|[lo, hi]| Enclosure { lo: f(lo).next_down(), hi: f(hi).next_up() }).collect()
-                    };
-                    let (a, b) = (exact(&two.alpha), exact(&two.beta));
-                    // the constant and the leading coefficient of alpha^2 + beta^2 = f
-                    let square = |e: &Enclosure| [e.lo * e.lo, e.hi * e.hi];
-                    let holds =
-                        |e: [f64; 2], x: f64| e[0].min(e[1]) <= x * (1.0 + 1e-9) && x <= e[0].max(e[1]) * (1.0 + 1e-9);
-                    assert!(holds(square(&a[a.len() - 1]), f[f.len() - 1].to_f64().unwrap()), "{mutant}");
-                    let (p, q) = (square(&a[0]), square(&b[0]));
-                    let most = p[0].max(p[1]) + q[0].max(q[1]);
-                    assert!(f[0].to_f64().unwrap() <= most * (1.0 + 1e-9), "{mutant}");
-                }
+            accepted += 1;
+            let tubecert::Statement::Squares(segments) = claim.statement else { panic!("another kind") };
+            let [segment] = &segments[..] else { panic!("another number of segments") };
+            assert_eq!(segment.roots.len(), truth.len(), "{mutant}");
+            for claimed in &segment.roots {
+                let held = truth.iter().filter(|root| {
+                    let (r, re, im) = (root.radius(), root.re(), root.im());
+                    let meets = |[lo, hi]: &[Rational; 2], x: &Rational| *lo <= x + &r && x - &r <= *hi;
+                    meets(&claimed.re, &re) && meets(&claimed.im, &im) && claimed.multiplicity == root.multiplicity()
+                });
+                assert!(held.count() > 0, "{mutant}");
+            }
+            for two in &segment.decompositions {
+                let exact = |list: &[[Rational; 2]]| -> Vec<Enclosure> {
+                    let f = |x: &Rational| x.to_f64().unwrap();
+                    list.iter().map(|[lo, hi]| Enclosure { lo: f(lo).next_down(), hi: f(hi).next_up() }).collect()
+                };
+                let (a, b) = (exact(&two.alpha), exact(&two.beta));
+                // the constant and the leading coefficient of alpha^2 + beta^2 = f
+                let square = |e: &Enclosure| [e.lo * e.lo, e.hi * e.hi];
+                let holds =
+                    |e: [f64; 2], x: f64| e[0].min(e[1]) <= x * (1.0 + 1e-9) && x <= e[0].max(e[1]) * (1.0 + 1e-9);
+                assert!(holds(square(&a[a.len() - 1]), f[f.len() - 1].to_f64().unwrap()), "{mutant}");
+                let (p, q) = (square(&a[0]), square(&b[0]));
+                let most = p[0].max(p[1]) + q[0].max(q[1]);
+                assert!(f[0].to_f64().unwrap() <= most * (1.0 + 1e-9), "{mutant}");
             }
         }
         assert!(rejected > 30, "{accepted} accepted, {rejected} rejected");
