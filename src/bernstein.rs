@@ -40,6 +40,16 @@ pub(crate) trait Scalar: Clone + Sized {
     fn shift(form: &mut Form<Self>, by: i64);
     fn scale(form: &mut Form<Self>, mantissa: i64);
     fn positive(form: &Form<Self>) -> Option<bool>;
+    /// The constant 1, as a form of the given degrees.
+    fn ones(ds: usize, dt: usize) -> Form<Self> {
+        let (bs, bt) = (int_binomials(ds), int_binomials(dt));
+        let c = bs.iter().flat_map(|a| bt.iter().map(move |b| a * b)).collect();
+        Self::cast(&Form { ds, dt, exp: 0, c, norm: () })
+    }
+    /// The sum of products.
+    fn dot(a: &Vec3<Self>, b: &Vec3<Self>) -> Form<Self> {
+        a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
+    }
 }
 
 /// A Bernstein form; see the module.
@@ -53,13 +63,6 @@ pub(crate) struct Form<T: Scalar> {
 }
 
 impl<T: Scalar> Form<T> {
-    /// The constant 1, as a form of the given degrees.
-    pub(crate) fn ones(ds: usize, dt: usize) -> Self {
-        let (bs, bt) = (int_binomials(ds), int_binomials(dt));
-        let c = bs.iter().flat_map(|a| bt.iter().map(move |b| a * b)).collect();
-        T::cast(&Form { ds, dt, exp: 0, c, norm: () })
-    }
-
     /// The linear form with the values `2^exp from` at 0 and `2^exp to` at 1, exactly.
     pub(crate) fn line(from: f64, to: f64, exp: i64) -> Self {
         let ((m, e), (k, f)) = (decompose(from), decompose(to));
@@ -84,11 +87,33 @@ impl<T: Scalar> Form<T> {
     pub(crate) fn mul(&self, other: &Self) -> Self {
         let (ds, dt) = (self.ds + other.ds, self.dt + other.dt);
         let mut c = vec![T::zero(); (ds + 1) * (dt + 1)];
+        self.add_product(other, &mut c);
+        let norm = T::norm_mul(self, other, self.terms(other));
+        let mut form = Self { ds, dt, exp: self.exp + other.exp, c, norm };
+        T::settle(&mut form);
+        form
+    }
+
+    /// Of so many products at most is a coefficient of a product the sum.
+    fn terms(&self, other: &Self) -> usize {
+        (self.ds.min(other.ds) + 1) * (self.dt.min(other.dt) + 1)
+    }
+
+    /// Adds the coefficients of a product to `c`.
+    fn add_product(&self, other: &Self, c: &mut [T]) {
+        if self.dt + other.dt == 0 {
+            // the longer in the inner loop
+            let (a, b) = if self.ds < other.ds { (self, other) } else { (other, self) };
+            for (i, x) in a.c.iter().enumerate() {
+                T::axpy(&mut c[i..=i + b.ds], x, &b.c);
+            }
+            return;
+        }
         let (own, width) = (self.dt + 1, other.dt + 1);
         for i in 0..=self.ds {
             let row = &self.c[i * own..(i + 1) * own];
             for k in 0..=other.ds {
-                let at = (i + k) * (dt + 1);
+                let at = (i + k) * (own + other.dt);
                 if other.dt == 0 {
                     T::axpy(&mut c[at..at + own], &other.c[k], row);
                     continue;
@@ -98,20 +123,18 @@ impl<T: Scalar> Form<T> {
                 }
             }
         }
-        let terms = (self.ds.min(other.ds) + 1) * (self.dt.min(other.dt) + 1);
-        let norm = T::norm_mul(self, other, terms);
-        let mut form = Self { ds, dt, exp: self.exp + other.exp, c, norm };
-        T::settle(&mut form);
-        form
     }
 
     pub(crate) fn sqr(&self) -> Self {
         self.mul(self)
     }
 
-    fn combined(&self, other: &Self, negate: bool) -> Self {
+    fn combined(mut self, other: &Self, negate: bool) -> Self {
         let (ds, dt) = (self.ds.max(other.ds), self.dt.max(other.dt));
-        let (mut a, mut b) = (self.elevated(ds, dt).into_owned(), other.elevated(ds, dt));
+        if (self.ds, self.dt) != (ds, dt) {
+            self = self.elevated(ds, dt).into_owned();
+        }
+        let (mut a, mut b) = (self, other.elevated(ds, dt));
         let target = if T::EXACT { a.exp.min(b.exp) } else { a.exp.max(b.exp) };
         let (up_a, up_b) = (a.exp - target, b.exp - target);
         if up_a != 0 {
@@ -124,11 +147,11 @@ impl<T: Scalar> Form<T> {
         a
     }
 
-    pub(crate) fn add(&self, other: &Self) -> Self {
+    pub(crate) fn add(self, other: &Self) -> Self {
         self.combined(other, false)
     }
 
-    pub(crate) fn sub(&self, other: &Self) -> Self {
+    pub(crate) fn sub(self, other: &Self) -> Self {
         self.combined(other, true)
     }
 
@@ -136,7 +159,7 @@ impl<T: Scalar> Form<T> {
         if self.ds == ds && self.dt == dt {
             Cow::Borrowed(self)
         } else {
-            Cow::Owned(self.mul(&Self::ones(ds - self.ds, dt - self.dt)))
+            Cow::Owned(self.mul(&T::ones(ds - self.ds, dt - self.dt)))
         }
     }
 
@@ -168,7 +191,7 @@ impl<T: Scalar> Form<T> {
 pub(crate) type Vec3<T> = [Form<T>; 3];
 
 pub(crate) fn dot<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Form<T> {
-    a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
+    T::dot(a, b)
 }
 
 pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
@@ -210,6 +233,28 @@ pub(crate) fn binomials(n: usize) -> Cow<'static, [f64]> {
         row[k] = row[k - 1] * ((n - k + 1) as f64) / (k as f64);
     }
     Cow::Owned(row)
+}
+
+static INVERSES: [[f64; TABLE]; TABLE] = {
+    let mut rows = BINOMIALS;
+    let mut n = 0;
+    while n < TABLE {
+        let mut k = 0;
+        while k <= n {
+            rows[n][k] = 1.0 / rows[n][k];
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+};
+
+/// 1 / C(n, 0..=n) in f64, off by half an ulp more than `binomials`.
+fn inverses(n: usize) -> Cow<'static, [f64]> {
+    if n < TABLE {
+        return Cow::Borrowed(&INVERSES[n][..=n]);
+    }
+    Cow::Owned(binomials(n).iter().map(|b| 1.0 / b).collect())
 }
 
 pub(crate) fn binomial_error(n: usize) -> f64 {
@@ -430,15 +475,38 @@ impl Form<f64> {
 
     /// `max |p^| + rad`, from the coefficients.
     fn measured(&self) -> f64 {
-        let (bs, bt) = (binomials(self.ds), binomials(self.dt));
-        let mut mag = 0.0f64;
-        for (row, b) in self.c.chunks(self.dt + 1).zip(bs.iter()) {
-            for (x, b2) in row.iter().zip(bt.iter()) {
-                mag = mag.max(x.abs() / (b * b2));
-            }
-        }
-        mag * (1.0 + 2.0 * (binomial_error(self.ds) + binomial_error(self.dt))) * SLACK + self.norm.rad
+        let larger = |m: f64, x: f64| if x > m { x } else { m };
+        let mag = self.rows().fold(0.0, |mag, (row, b)| larger(mag, largest(row, &inverses(self.dt)) * b));
+        mag * self.binomial_slack() + self.norm.rad
     }
+
+    /// The rows of coefficients, each with what makes them unscaled in the first variable.
+    fn rows(&self) -> impl Iterator<Item = (&[f64], f64)> {
+        let inverses = inverses(self.ds);
+        self.c.chunks_exact(self.dt + 1).enumerate().map(move |(i, row)| (row, inverses[i]))
+    }
+
+    /// Covers the rounding of x * inverse * inverse.
+    fn binomial_slack(&self) -> f64 {
+        (1.0 + 2.0 * (binomial_error(self.ds) + binomial_error(self.dt))) * SLACK
+    }
+}
+
+/// Numbers side by side in the hot loops.
+const LANES: usize = 4;
+
+/// max |x| b over a row.
+fn largest(row: &[f64], inverses: &[f64]) -> f64 {
+    let mut lanes = [0.0f64; LANES];
+    let larger = |m: f64, x: f64, b: f64| if x.abs() * b > m { x.abs() * b } else { m };
+    let (rows, weights) = (row.chunks_exact(LANES), inverses.chunks_exact(LANES));
+    let rest = rows.remainder().iter().zip(weights.remainder()).fold(0.0, |m, (x, b)| larger(m, *x, *b));
+    for (x, b) in rows.zip(weights) {
+        for k in 0..LANES {
+            lanes[k] = larger(lanes[k], x[k], b[k]);
+        }
+    }
+    lanes.into_iter().fold(rest, f64::max)
 }
 
 impl Scalar for f64 {
@@ -513,21 +581,50 @@ impl Scalar for f64 {
     }
 
     fn positive(form: &Form<Self>) -> Option<bool> {
-        let (bs, bt) = (binomials(form.ds), binomials(form.dt));
-        let rad = form.norm.rad * (1.0 + 2.0 * (binomial_error(form.ds) + binomial_error(form.dt))) * SLACK;
+        let rad = form.norm.rad * form.binomial_slack();
         if !rad.is_finite() {
             return None;
         }
+        let inverses = inverses(form.dt);
         let mut sure = true;
-        for (row, b) in form.c.chunks(form.dt + 1).zip(bs.iter()) {
-            for (x, b2) in row.iter().zip(bt.iter()) {
-                let bound = rad * b * b2;
-                if *x <= -bound {
-                    return Some(false);
-                }
-                sure &= *x > bound && x.is_finite();
+        for (row, b) in form.rows() {
+            let (mut above, mut below) = (true, false);
+            for (x, b2) in row.iter().zip(inverses.iter()) {
+                let p = x * (b * b2);
+                above &= p > rad && p < f64::INFINITY;
+                below |= p <= -rad;
             }
+            if below {
+                return Some(false);
+            }
+            sure &= above;
         }
         sure.then_some(true)
+    }
+
+    fn ones(ds: usize, dt: usize) -> Form<Self> {
+        let (bs, bt) = (binomials(ds), binomials(dt));
+        let c = bs.iter().flat_map(|a| bt.iter().map(move |b| a * b)).collect();
+        let rad = (UNIT + binomial_error(ds) + binomial_error(dt)) * SLACK + TINY;
+        Form { ds, dt, exp: 0, c, norm: Ball { mag: 1.0, rad } }
+    }
+
+    fn dot(a: &Vec3<Self>, b: &Vec3<Self>) -> Form<Self> {
+        let alike = |v: &Vec3<Self>| v[1..].iter().all(|f| (f.ds, f.dt, f.exp) == (v[0].ds, v[0].dt, v[0].exp));
+        if !(alike(a) && alike(b)) {
+            return a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]));
+        }
+        let (ds, dt) = (a[0].ds + b[0].ds, a[0].dt + b[0].dt);
+        let mut c = vec![0.0; (ds + 1) * (dt + 1)];
+        let mut norm = Ball { mag: 0.0, rad: 0.0 };
+        for (a, b) in a.iter().zip(b) {
+            a.add_product(b, &mut c);
+            let of_one = Self::norm_mul(a, b, 3 * a.terms(b));
+            norm = Ball { mag: norm.mag + of_one.mag, rad: norm.rad + of_one.rad };
+        }
+        let norm = Ball { mag: norm.mag * SLACK, rad: norm.rad * SLACK };
+        let mut form = Form { ds, dt, exp: a[0].exp + b[0].exp, c, norm };
+        Self::settle(&mut form);
+        form
     }
 }

@@ -304,6 +304,10 @@ impl<'t, 'f> Search<'t, 'f> {
         let h = ldexp(1.0, -i64::from(cell.depth));
         let (segment, from) = (cell.segment, cell.index as f64 * h);
         self.climb(segment, from, h);
+        if self.tree.reaches_end(id, self.end.finish) {
+            // there q = 0 and u = 0: no polynomial of any rule is positive
+            return false;
+        }
         let (node, gap) = (self.tree.node(id), self.gap(id));
         let Some(cell) = &node.cell else { return false };
         let share = self.share(segment, from, h);

@@ -208,8 +208,10 @@ impl Bezier {
         let w2 = form(&differences(&w1));
         let w1 = form(&w1);
         let (middle, last) = (cross(&r, &second), cross(&r, &first));
-        std::array::from_fn(|k| {
-            leading[k].sub(&middle[k].mul(&w1)).add(&last[k].mul(&w2)).lowered().lowered().lowered()
+        let mut axes = 0..3;
+        leading.map(|leading| {
+            let k = axes.next().expect("three");
+            leading.sub(&middle[k].mul(&w1)).add(&last[k].mul(&w2)).lowered().lowered().lowered()
         })
     }
 }

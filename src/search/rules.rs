@@ -95,7 +95,7 @@ pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64
         let (d, weights) = (cast(d), T::cast(&x.w).mul(&T::cast(&y.w)));
         let (ds, dt) = (form::dot(&d, &cast(&x.a)), form::dot(&d, &cast(&y.a)));
         let plain = stretched(&d, &weights, radius);
-        let bent = || plain.add(&first.mul(&ds)).add(&second.mul(&dt)).positive();
+        let bent = || plain.clone().add(&first.mul(&ds)).add(&second.mul(&dt)).positive();
         let rules: [(Closed, &dyn Fn() -> Option<bool>); 4] = [
             (Closed::TiltFirst, &|| ds.one_sign()),
             (Closed::TiltSecond, &|| dt.one_sign()),

@@ -223,6 +223,16 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// Does the arc hold the start, or the finish, of the spine?
+    pub(crate) fn reaches_end(&self, id: Id, finish: bool) -> bool {
+        let node = self.node(id);
+        if finish {
+            node.end == Place { segment: self.spans.len(), fraction: 0 }
+        } else {
+            node.start == Place { segment: 0, fraction: 0 }
+        }
+    }
+
     /// Do the two arcs share an end point of the parameter domain (the closure counts)?
     pub(crate) fn touching(&self, a: Id, b: Id) -> bool {
         let (a, b) = (self.node(a), self.node(b));
