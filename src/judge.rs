@@ -9,7 +9,7 @@ use crate::number::{Rational, f64_above, f64_below, parse_rational, rational_fro
 use crate::options::{self, Enclosure, options};
 use crate::polyline::{SHARE, end, proof};
 use crate::radius::{RadiusOptions, radius};
-use crate::search::dyadic::power_of_two;
+use crate::search::dyadic::shifted;
 use crate::search::follow::{Feet, Follower, INNER, all_farther};
 use crate::search::frame::Frame;
 use crate::search::meter::{Meter, Stop};
@@ -260,9 +260,8 @@ impl<'a> Job<'a> {
         tolerance: f64,
         delta: Enclosure,
     ) -> Self {
-        let scale = power_of_two(frame.scale);
         let boxed =
-            |x: f64, round: fn(&Rational) -> f64| rational_from_f64(x).map_or(f64::INFINITY, |x| round(&(x * &scale)));
+            |x: f64, round: fn(&Rational) -> f64| rational_from_f64(x).map_or(f64::INFINITY, |x| round(&shifted(&x, frame.scale)));
         let points: Vec<Point> = vertices.iter().map(|vertex| rail.exact(vertex)).collect();
         Self {
             frame,

@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, f64_above, f64_below, nearest_text, parse_rational, rational_from_f64, upper_text};
 use crate::options::{self, Enclosure, options};
 use crate::radius::{RadiusOptions, radius, tube};
-use crate::search::dyadic::power_of_two;
+use crate::search::dyadic::shifted;
 use crate::search::frame::Frame;
 use crate::search::meter::Stop;
 use crate::search::polyline::{Course, Rail, asymptotic, course, of_control_polygons, rational};
@@ -105,8 +105,7 @@ pub fn polyline(spine: &Spine, tolerance: f64, options: &PolylineOptions) -> Res
     }
     let frame = Frame::new(spine);
     let rail = Rail::new(&frame);
-    let scale = power_of_two(frame.scale);
-    let boxed = |x: f64| rational_from_f64(x).map_or(f64::INFINITY, |x| f64_below(&(x * &scale)));
+    let boxed = |x: f64| rational_from_f64(x).map_or(f64::INFINITY, |x| f64_below(&shifted(&x, frame.scale)));
     // strictly inside the tube
     let limit = boxed(tolerance).min(SHARE * boxed(answer.delta.lo));
     // where its decimal is exactly that

@@ -3,7 +3,7 @@
 use crate::certificate::{Certificate, Evidence, Tube, Upper};
 use crate::number::{Rational, f64_above, lower_text, parse_rational, upper_text};
 use crate::options::Enclosure;
-use crate::search::dyadic::power_of_two;
+use crate::search::dyadic::shifted;
 use crate::search::evidence;
 use crate::search::frame::Frame;
 use crate::search::tree::Tree;
@@ -35,7 +35,7 @@ pub(crate) fn tube(frame: &Frame, lo: f64) -> Option<Tube> {
 /// `None` for a bound is +infinity.
 fn proof(frame: &Frame, lo: Option<Rational>, hi: Option<Rational>, upper: Upper, margin: f64) -> Option<Tube> {
     // the searches run in the unit box
-    let r = lo.as_ref().map_or(0.0, |lo: &Rational| f64_above(&(lo * power_of_two(frame.scale))));
+    let r = lo.as_ref().map_or(0.0, |lo: &Rational| f64_above(&shifted(lo, frame.scale)));
     let along = evidence::along(frame, r)?;
     let bounded = lo.as_ref().is_some_and(|lo| !lo.is_zero());
     let (mut pairs, mut ends) = (None, None);

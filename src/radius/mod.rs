@@ -9,7 +9,8 @@ pub use answer::{LimitedBy, Location, Radius, RadiusOptions, Rim, SpineEnd, Term
 
 use crate::certificate::Upper;
 use crate::error::Error;
-use crate::number::{f64_above, f64_below, rational_from_f64, same};
+use crate::integer::ldexp;
+use crate::number::{Rational, f64_above, f64_below, rational_from_f64, same};
 use crate::options::{self, Enclosure};
 use crate::search::body;
 use crate::search::contact::Touch;
@@ -404,8 +405,15 @@ impl<'a> Job<'a> {
 
     /// From the unit box to the curve's unit, outward.
     fn enclosure(&self, lo: f64, hi: f64) -> Enclosure {
-        let scaled = |x: f64| rational_from_f64(x).map(|x| self.frame.length(&x));
-        Enclosure { lo: scaled(lo).map_or(lo, |x| f64_below(&x)), hi: scaled(hi).map_or(hi, |x| f64_above(&x)) }
+        let scaled = |x: f64, round: fn(&Rational) -> f64| {
+            let near = ldexp(x, -self.frame.scale);
+            // then exact; or an infinity
+            if near.is_normal() || !x.is_finite() {
+                return near;
+            }
+            rational_from_f64(x).map_or(x, |x| round(&self.frame.length(&x)))
+        };
+        Enclosure { lo: scaled(lo, f64_below), hi: scaled(hi, f64_above) }
     }
 
     /// A seam parameter is given as the start.

@@ -49,19 +49,21 @@ impl<const N: usize> Strip<N> {
         Self { c, rad, exp: drop + forms[0].exp }
     }
 
-    fn halves(&self) -> (Self, Self) {
+    /// The parts before and after t.
+    fn cut(&self, t: f64) -> (Self, Self) {
         let n = self.c.len() - 1;
-        let mut row = self.c.clone();
-        let (mut left, mut right) = (row.clone(), row.clone());
-        for level in 0..=n {
-            left[level] = row[0];
-            right[n - level] = row[n - level];
-            for i in 0..n - level {
-                row[i] = std::array::from_fn(|k| 0.5 * (row[i][k] + row[i + 1][k]));
+        let (mut left, mut row) = (self.c.clone(), self.c.clone());
+        let rest = 1.0 - t;
+        for level in 1..=n {
+            for i in 0..=n - level {
+                row[i] = std::array::from_fn(|k| rest * row[i][k] + t * row[i + 1][k]);
             }
+            left[level] = row[0];
         }
-        let rad = (self.rad + (n + 1) as f64 * UNIT * max_abs(&self.c)) * (1.0 + 1e-9) + 1e-290;
-        (Self { c: left, rad, exp: self.exp }, Self { c: right, rad, exp: self.exp })
+        // halving rounds sums alone
+        let roundings = (n + 1) as f64 * if t == 0.5 { 1.0 } else { 16.0 };
+        let rad = (self.rad + roundings * UNIT * max_abs(&self.c)) * (1.0 + 1e-9) + 1e-290;
+        (Self { c: left, rad, exp: self.exp }, Self { c: row, rad, exp: self.exp })
     }
 
     fn forms(&self) -> [Form<f64>; N] {
@@ -73,13 +75,13 @@ impl<const N: usize> Strip<N> {
 
     /// Value at t, numerically, without 2^exp.
     fn at(&self, t: f64) -> [f64; N] {
-        let mut row = self.c.clone();
-        for m in (0..row.len() - 1).rev() {
-            for i in 0..=m {
-                row[i] = std::array::from_fn(|k| row[i][k] + t * (row[i + 1][k] - row[i][k]));
-            }
+        let (n, binomials) = (self.c.len() - 1, binomials(self.c.len() - 1));
+        let (mut sum, mut power) = ([0.0; N], 1.0);
+        for (c, binomial) in self.c[..n].iter().zip(binomials.iter()) {
+            sum = std::array::from_fn(|k| (sum[k] + binomial * power * c[k]) * (1.0 - t));
+            power *= t;
         }
-        row[0]
+        std::array::from_fn(|k| sum[k] + power * self.c[n][k])
     }
 
     /// Holds the values, without 2^exp, from middle - half to middle + half, and the control points of the arc there.
@@ -119,6 +121,12 @@ impl<const N: usize> Strip<N> {
         })
     }
 
+    /// Are the lengths of all vectors alike, numerically?
+    fn is_steady(&self) -> bool {
+        let lengths = || self.c.iter().map(length);
+        lengths().fold(0.0, f64::max) < 1.25 * lengths().fold(f64::INFINITY, f64::min)
+    }
+
     fn longest(&self) -> f64 {
         self.c.iter().map(length).fold(0.0, f64::max) * (1.0 + 8.0 * UNIT) + 2.0 * self.rad
     }
@@ -142,16 +150,17 @@ impl Strips {
         Self { a: Strip::new(a.each_ref()), b: Strip::new(b.each_ref()), w: Strip::new([w]) }
     }
 
-    pub(super) fn halves(&self) -> (Self, Self) {
-        let ((a0, a1), (b0, b1), (w0, w1)) = (self.a.halves(), self.b.halves(), self.w.halves());
+    /// The parts before and after t.
+    pub(super) fn cut(&self, t: f64) -> (Self, Self) {
+        let ((a0, a1), (b0, b1), (w0, w1)) = (self.a.cut(t), self.b.cut(t), self.w.cut(t));
         (Self { a: a0, b: b0, w: w0 }, Self { a: a1, b: b1, w: w1 })
     }
 
     /// Starts again from the exact cell where rounding has eaten the hodograph.
-    pub(super) fn freshen(&mut self, bezier: &Bezier, depth: u32, index: &Int) {
+    pub(super) fn freshen(&mut self, depth: u32, arc: impl FnOnce() -> Bezier) {
         let shortest = self.a.c.iter().map(length).fold(f64::INFINITY, f64::min);
         if depth > 0 && depth.is_multiple_of(4) && shortest < 1e6 * self.a.rad {
-            *self = Self::new(&bezier.cell(index, depth));
+            *self = Self::new(&arc());
         }
     }
 
@@ -223,24 +232,51 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
     }
     let mut patience = PATIENCE;
     for (segment, span) in spans.iter().enumerate() {
-        let mut open = vec![(span.clone(), 0u32, Int::ZERO)];
-        while let Some((mut strips, depth, index)) = open.pop() {
-            strips.freshen(&frame.segments[segment], depth, &index);
-            if search.closed(segment, &strips, depth, &index) {
+        let bezier = &frame.segments[segment];
+        let mut open = vec![Cell { strips: span.clone(), from: Dyadic::ZERO, to: Dyadic::ONE, depth: 0 }];
+        while let Some(mut cell) = open.pop() {
+            cell.strips.freshen(cell.depth, || bezier.arc(&cell.from, &cell.to));
+            if search.closed(segment, &cell) {
                 continue;
             }
             patience -= u32::from(search.radius < HOPELESS && patience > 0);
-            if !meter.tick() || depth >= MAX_DEPTH || patience == 0 {
-                search.radius = search.radius.min(strips.floor());
+            if !meter.tick() || cell.depth >= MAX_DEPTH || patience == 0 {
+                search.radius = search.radius.min(cell.strips.floor());
                 continue;
             }
-            let (left, right) = strips.halves();
-            let twice = &index << 1;
-            open.push((right, depth + 1, &twice + &Int::ONE));
-            open.push((left, depth + 1, twice));
+            open.extend(cell.cut(search.peak.filter(|peak| peak.segment == segment)));
         }
     }
     (search.radius, search.peak)
+}
+
+/// An arc of one span.
+struct Cell {
+    strips: Strips,
+    from: Dyadic,
+    to: Dyadic,
+    depth: u32,
+}
+
+impl Cell {
+    /// Both parts, the first on top of a stack. A cell is cut at the peak that it holds: on either side of it the form
+    /// grows, so its coefficients are positive long before those of a cell round the peak are.
+    fn cut(&self, peak: Option<Peak>) -> [Self; 2] {
+        let at_peak = peak.map(|peak| Dyadic::from_f64(peak.t)).filter(|t| self.holds(t));
+        let at = at_peak.unwrap_or_else(|| Dyadic { e: -1, ..Dyadic::ONE }.mul(&self.from.add(&self.to)));
+        let share = ratio(&at.sub(&self.from), &self.to.sub(&self.from));
+        let (before, after) = self.strips.cut(share);
+        let depth = self.depth + 1;
+        [
+            Self { strips: after, from: at.clone(), to: self.to.clone(), depth },
+            Self { strips: before, from: self.from.clone(), to: at, depth },
+        ]
+    }
+
+    /// Is t in the interior?
+    fn holds(&self, t: &Dyadic) -> bool {
+        self.from.cmp(t).is_lt() && t.cmp(&self.to).is_lt()
+    }
 }
 
 /// 1/kappa at t from exact values, numerically.
@@ -269,11 +305,11 @@ impl Search<'_> {
         let steps = 4 * self.frame.segments[segment].degree();
         let strips = &self.spans[segment];
         let h = 1.0 / steps as f64;
-        for i in 0..=steps {
-            let t = i as f64 * h;
-            if strips.radius_at(t) < self.radius {
-                self.climb(segment, t, h);
-            }
+        let samples: Vec<f64> = (0..=steps).map(|i| strips.radius_at(i as f64 * h)).collect();
+        let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
+        // of symmetric curves, whose samples tie but for rounding, the first
+        if let Some(best) = samples.iter().position(|x| *x < self.radius && *x <= least * (1.0 + 1e-12)) {
+            self.climb(segment, best as f64 * h, h);
         }
     }
 
@@ -291,13 +327,14 @@ impl Search<'_> {
         }
     }
 
-    fn closed(&mut self, segment: usize, strips: &Strips, depth: u32, index: &Int) -> bool {
+    fn closed(&mut self, segment: usize, cell: &Cell) -> bool {
+        let strips = &cell.strips;
         if strips.floor() > self.radius {
             return true;
         }
-        let h = ldexp(1.0, -i64::from(depth));
-        let from = index.to_f64_shifted(i64::from(depth));
-        for (end, t) in [(0, from), (strips.a.c.len() - 1, from + h)] {
+        let [from, to] = [&cell.from, &cell.to].map(Dyadic::to_f64);
+        let h = to - from;
+        for (end, t) in [(0, from), (strips.a.c.len() - 1, to)] {
             let last = |n: usize| if end == 0 { 0 } else { n - 1 };
             let (a, b, w) = (&strips.a.c, &strips.b.c, &strips.w.c);
             let here = strips.radius(length(&a[last(a.len())]), length(&b[last(b.len())]), w[last(w.len())][0]);
@@ -309,13 +346,14 @@ impl Search<'_> {
         let [w] = strips.w.forms();
         match form(&strips.a.forms(), &strips.b.forms(), &w, self.radius).positive() {
             Some(closed) => closed,
-            None => self.closed_exactly(segment, depth, index),
+            // halves that move at a steadier speed are easier to tell
+            None => strips.a.is_steady() && self.closed_exactly(segment, cell),
         }
     }
 
     /// The same from the exact arc: intervals, then integers.
-    fn closed_exactly(&self, segment: usize, depth: u32, index: &Int) -> bool {
-        let arc = self.frame.segments[segment].cell(index, depth);
+    fn closed_exactly(&self, segment: usize, cell: &Cell) -> bool {
+        let arc = self.frame.segments[segment].arc(&cell.from, &cell.to);
         let (forms, b) = (arc.forms(), arc.binormal());
         let near = forms.cast::<Interval>();
         let b_near = b.each_ref().map(Interval::cast);

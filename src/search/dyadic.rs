@@ -3,10 +3,9 @@
 use crate::bernstein::Form;
 use crate::integer::{Int, decompose, ldexp};
 use crate::number::Rational;
-use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::Ratio;
-use num_traits::One;
+use num_traits::Zero;
 use std::cmp::Ordering;
 
 /// A dyadic rational m 2^e, exact: local parameters, witnesses and every value at them.
@@ -59,7 +58,7 @@ impl Dyadic {
     }
 
     pub(crate) fn rational(&self) -> Rational {
-        Rational::from(self.m.big()) * power_of_two(self.e)
+        shifted(&Rational::from(self.m.big()), self.e)
     }
 }
 
@@ -83,12 +82,16 @@ pub(crate) fn cross3(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].mul(&b[j]).sub(&a[j].mul(&b[i])))
 }
 
-pub(crate) fn power_of_two(e: i64) -> Rational {
-    if e >= 0 {
-        Rational::from(BigInt::one() << e as u64)
-    } else {
-        Ratio::new_raw(BigInt::one(), BigInt::one() << (-e) as u64)
+/// x 2^by. As x is in lowest terms, only twos can cancel.
+pub(crate) fn shifted(x: &Rational, by: i64) -> Rational {
+    if x.is_zero() {
+        return x.clone();
     }
+    let (up, down) = if by < 0 { (x.denom(), x.numer()) } else { (x.numer(), x.denom()) };
+    let steps = by.unsigned_abs();
+    let cancelled = down.trailing_zeros().unwrap_or(0).min(steps);
+    let (up, down) = (up << (steps - cancelled), down >> cancelled);
+    if by < 0 { Ratio::new_raw(down, up) } else { Ratio::new_raw(up, down) }
 }
 
 pub(crate) fn step(j: i64) -> Dyadic {

@@ -62,7 +62,7 @@ fn blocks(frame: &Frame, from: usize, to: usize, r: f64, nodes: &mut Vec<Node>) 
     let bezier = &frame.segments[from];
     let mut open = vec![(Strips::new(bezier), 0u32, Int::ZERO)];
     while let Some((mut strips, depth, index)) = open.pop() {
-        strips.freshen(bezier, depth, &index);
+        strips.freshen(depth, || bezier.cell(&index, depth));
         if strips.curved(bezier, depth, &index, r) || planted(Fault::CurvatureUnproved) {
             nodes.push(Node::Curved);
             continue;
@@ -71,7 +71,7 @@ fn blocks(frame: &Frame, from: usize, to: usize, r: f64, nodes: &mut Vec<Node>) 
             return None;
         }
         nodes.push(Node::Split);
-        let (left, right) = strips.halves();
+        let (left, right) = strips.cut(0.5);
         let twice = &index << 1;
         open.push((right, depth + 1, &twice + &Int::ONE));
         open.push((left, depth + 1, twice));

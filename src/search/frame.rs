@@ -3,7 +3,7 @@
 //! x -> (x - origin) 2^scale is exact in integers, so a curve far from the origin or of extreme size meets the f64 tiers
 //! with the same relative precision as any other. Radii found here are scaled back by `Frame::length`.
 
-use super::dyadic::{Dyadic, power_of_two};
+use super::dyadic::{Dyadic, shifted};
 use crate::bernstein::{Form, Scalar, Vec3, cross};
 use crate::integer::{Int, exact_div, gcd};
 use crate::number::Rational;
@@ -43,8 +43,7 @@ impl Frame {
         let mut knots: Vec<Rational> = spine.segments.iter().map(|s| s.from.clone()).collect();
         knots.extend(spine.segments.last().map(|s| s.to.clone()));
         // origin is in units of 2^-scale
-        let unit = power_of_two(-scale);
-        let origin = origin.map(|o| Rational::from(o.big()) * &unit);
+        let origin = origin.map(|o| shifted(&Rational::from(o.big()), -scale));
         Self { segments, closed: spine.closed, knots, scale, origin }
     }
 
@@ -56,7 +55,7 @@ impl Frame {
 
     /// A length of the box in the curve's unit.
     pub(crate) fn length(&self, x: &Rational) -> Rational {
-        x * power_of_two(-self.scale)
+        shifted(x, -self.scale)
     }
 
     /// A point of the box in the curve's coordinates.
@@ -111,8 +110,7 @@ fn placement(beziers: &[&Bezier]) -> ([Int; 3], i64) {
     if size <= spread + 2 {
         return ([Int::ZERO, Int::ZERO, Int::ZERO], scale);
     }
-    let unit = power_of_two(scale);
-    let origin = [0, 1, 2].map(|k| Int::from((cartesian(first, k) * &unit).round().to_integer()));
+    let origin = [0, 1, 2].map(|k| Int::from(shifted(&cartesian(first, k), scale).round().to_integer()));
     (origin, scale)
 }
 

@@ -1,7 +1,7 @@
 //! A polyline that runs along the spine: theory.md, section 7, Theorem P'. Each edge is as long as the tolerance allows, and is
 //! proved as it is made, in intervals: for the vertex that is printed, and any number within one step of it.
 
-use super::dyadic::power_of_two;
+use super::dyadic::shifted;
 use super::frame::Frame;
 use super::meter::Meter;
 use crate::bernstein::UNIT;
@@ -219,7 +219,7 @@ impl<'a> Rail<'a> {
     /// The vertex that three exact numbers are, in the box.
     pub(crate) fn exact(&self, v: &[Rational; 3]) -> Point {
         let at = |k: usize| {
-            let x = (&v[k] - &self.frame.origin[k]) * power_of_two(self.frame.scale);
+            let x = shifted(&(&v[k] - &self.frame.origin[k]), self.frame.scale);
             Interval::from_ratio(x.numer(), x.denom())
         };
         [at(0), at(1), at(2)]
