@@ -254,6 +254,9 @@ macro_rules! backend {
                 assert_eq!(ends(I::new(-2.0, 4.0).sqrt()), (0.0, 2.0));
                 assert_eq!(ends(I::new(-2.0, 1.0).sqr()), (0.0, 4.0));
                 assert_eq!(ends(I::point(f64::MAX) + I::point(f64::MAX)), (f64::MAX, INF));
+                // found by chance: a sum whose parts overflow on the way
+                let (large, all) = (I::point(2.857_466_886_167_981_7e307), I::new(0.0, f64::MAX));
+                assert_eq!(ends(large - all).0, -1.511_946_446_245_517_6e308);
                 assert_eq!(ends(I::point(TINY) * I::point(TINY)), (0.0, TINY));
                 assert_eq!(ends(I::point(TINY).scale2(i32::MAX)), (f64::MAX, INF));
                 assert_eq!(ends(I::point(-1.0).scale2(i32::MIN)), (-TINY, 0.0));

@@ -120,8 +120,10 @@ fn upper(nearest: f64, err: f64) -> f64 {
     -lower(-nearest, -err)
 }
 
-/// `x + y` and its rounding error, exact unless something overflows; then the error is not finite.
+/// `x + y` and its rounding error, exact unless the sum overflows; then the error is not finite.
 fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    // the larger first: then no difference overflows
+    let (x, y) = if x.abs() < y.abs() { (y, x) } else { (x, y) };
     let sum = x + y;
     let y_part = sum - x;
     (sum, (x - (sum - y_part)) + (y - y_part))
