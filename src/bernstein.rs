@@ -28,7 +28,7 @@ pub(crate) trait Scalar: Clone + Sized {
     const EXACT: bool;
 
     fn zero() -> Self;
-    /// `out[i] += a * b[i]`.
+    /// `out[i] += a * b[i]` for all of b.
     fn axpy(out: &mut [Self], a: &Self, b: &[Self]);
     /// The form with these scaled integer coefficients.
     fn cast(form: &Form<Int>) -> Form<Self>;
@@ -101,25 +101,19 @@ impl<T: Scalar> Form<T> {
 
     /// Adds the coefficients of a product to `c`.
     fn add_product(&self, other: &Self, c: &mut [T]) {
-        if self.dt + other.dt == 0 {
-            // the longer in the inner loop
-            let (a, b) = if self.ds < other.ds { (self, other) } else { (other, self) };
-            for (i, x) in a.c.iter().enumerate() {
-                T::axpy(&mut c[i..=i + b.ds], x, &b.c);
-            }
-            return;
-        }
-        let (own, width) = (self.dt + 1, other.dt + 1);
-        for i in 0..=self.ds {
-            let row = &self.c[i * own..(i + 1) * own];
-            for k in 0..=other.ds {
-                let at = (i + k) * (own + other.dt);
-                if other.dt == 0 {
-                    T::axpy(&mut c[at..at + own], &other.c[k], row);
+        // the longer in the inner loop
+        let (a, b) = if self.c.len() < other.c.len() { (self, other) } else { (other, self) };
+        let width = a.dt + b.dt + 1;
+        for (i, row) in a.c.chunks(a.dt + 1).enumerate() {
+            for (j, x) in row.iter().enumerate() {
+                let c = &mut c[i * width + j..];
+                if a.dt == 0 {
+                    // all rows at once: those of the product are as long
+                    T::axpy(c, x, &b.c);
                     continue;
                 }
-                for (j, a) in row.iter().enumerate() {
-                    T::axpy(&mut c[at + j..at + j + width], a, &other.c[k * width..(k + 1) * width]);
+                for (c, b) in c.chunks_mut(width).zip(b.c.chunks(b.dt + 1)) {
+                    T::axpy(c, x, b);
                 }
             }
         }
@@ -445,10 +439,14 @@ pub(crate) struct Ball {
 
 impl Form<f64> {
     /// From univariate Bernstein (unscaled) coefficients, each off by at most `rad`.
-    pub(crate) fn from_strip(p: &[f64], rad: f64, exp: i64) -> Self {
-        let ds = p.len() - 1;
-        let mag = p.iter().fold(0.0f64, |m, x| m.max(x.abs())) + rad;
-        let c = binomials(ds).iter().zip(p).map(|(b, p)| b * p).collect();
+    pub(crate) fn from_strip(p: impl ExactSizeIterator<Item = f64>, rad: f64, exp: i64) -> Self {
+        let (ds, mut mag) = (p.len() - 1, 0.0f64);
+        let scaled = |(p, b): (f64, &f64)| {
+            mag = mag.max(p.abs());
+            p * b
+        };
+        let c = p.zip(binomials(ds).iter()).map(scaled).collect();
+        let mag = mag + rad;
         let rad = (rad + (UNIT + binomial_error(ds)) * mag) * SLACK + TINY;
         Self { ds, dt: 0, exp, c, norm: Ball { mag, rad } }
     }

@@ -260,8 +260,9 @@ impl<'a> Job<'a> {
         tolerance: f64,
         delta: Enclosure,
     ) -> Self {
-        let boxed =
-            |x: f64, round: fn(&Rational) -> f64| rational_from_f64(x).map_or(f64::INFINITY, |x| round(&shifted(&x, frame.scale)));
+        let boxed = |x: f64, round: fn(&Rational) -> f64| {
+            rational_from_f64(x).map_or(f64::INFINITY, |x| round(&shifted(&x, frame.scale)))
+        };
         let points: Vec<Point> = vertices.iter().map(|vertex| rail.exact(vertex)).collect();
         Self {
             frame,

@@ -67,10 +67,7 @@ impl<const N: usize> Strip<N> {
     }
 
     fn forms(&self) -> [Form<f64>; N] {
-        std::array::from_fn(|k| {
-            let strip: Vec<f64> = self.c.iter().map(|v| v[k]).collect();
-            Form::from_strip(&strip, self.rad, self.exp)
-        })
+        std::array::from_fn(|k| Form::from_strip(self.c.iter().map(|v| v[k]), self.rad, self.exp))
     }
 
     /// Value at t, numerically, without 2^exp.

@@ -461,11 +461,11 @@ pub(crate) fn line_within(frame: &Frame, finish: bool, arc: &Bezier, r: f64) -> 
 
 fn against(cell: &Cell, end: &End) -> Against<f64> {
     let q = std::array::from_fn(|k| {
-        let strip: Vec<f64> = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * cell.weight(i)).collect();
+        let strip = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * cell.weight(i));
         let size = cell.p.iter().map(|p| (p[k] - end.point[k]).abs()).fold(0.0f64, f64::max);
         let rad = (cell.heaviest() + cell.w_err) * (cell.p_err + 4.0 * UNIT * end.point[k].abs() + 4.0 * UNIT * size)
             + size * cell.w_err;
-        Form::from_strip(&strip, rad * (1.0 + 1e-9), 0)
+        Form::from_strip(strip, rad * (1.0 + 1e-9), 0)
     });
     let (w, a) = (cell.weight_form(), cell.hodograph_forms());
     let d =

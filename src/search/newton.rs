@@ -32,6 +32,14 @@ impl Step {
     pub(crate) const fn flat(&self) -> bool {
         self.across.is_some()
     }
+
+    /// Do q.T(s) and q.T(t) change sign well inside cells of these widths in the parameter, by the linear model?
+    pub(crate) fn changes(&self, h: [f64; 2]) -> [bool; 2] {
+        let [a, b, c] = self.hessian;
+        let half = [0, 1].map(|k| 0.5 * h[k] * self.speed[k]);
+        let inside = |g: f64, s: f64, t: f64| g.abs() < 0.5 * (s.abs() * half[0] + t.abs() * half[1]);
+        [inside(self.gradient[0], a, b), inside(self.gradient[1], b, c)]
+    }
 }
 
 /// Newton's step for grad |q|^2 = 0 in arc length, the shortest one where the Hessian is singular.

@@ -234,10 +234,12 @@ impl Search<'_, '_> {
         let step = at(s, t)?;
         let model = Model::of(&step, [hs, ht], bulge(x) + bulge(y));
         let gap = Gap::of(x, y);
-        for (form, side) in [(&gap.ds, first), (&gap.dt, second)] {
-            if form.one_sign() == Some(true) {
-                return rule(side);
-            }
+        let [first_changes, second_changes] = step.changes([hs, ht]);
+        if !first_changes && gap.ds().one_sign() == Some(true) {
+            return rule(first);
+        }
+        if !second_changes && gap.dt().one_sign() == Some(true) {
+            return rule(second);
         }
         if let Some(fields) = model.shares.map(|shares| sides(x, y, shares))
             && gap.together(fields) == Some(true)
@@ -256,6 +258,16 @@ impl Search<'_, '_> {
             return None;
         }
         let (mut p, mut q, mut last) = (s + step.ds, t + step.dt, step);
+        // most likely the pair that is alone in that box
+        let place = [x.segment as f64 + p, y.segment as f64 + q];
+        if self
+            .found
+            .roots
+            .iter()
+            .any(|root| (0..2).all(|k| root.about[k][0] <= place[k] && place[k] <= root.about[k][1]))
+        {
+            return None;
+        }
         for _ in 0..8 {
             if last.ds.abs() <= 1e-13 * hs && last.dt.abs() <= 1e-13 * ht {
                 break;
@@ -342,8 +354,11 @@ impl Search<'_, '_> {
             local.add(&Dyadic::from(cell.segment as i64))
         };
         let places = |ranges: [[f64; 2]; 2]| [0, 1].map(|k| ranges[k].map(|u| place(k, u)));
-        let nets = [&gap.ds, &gap.dt].map(|f| Net::of(f, f.exp));
+        let nets = [gap.ds(), gap.dt()].map(|f| Net::of(f, f.exp));
         let field = |part: [[f64; 2]; 2]| Field::single(nets.each_ref().map(|net| net.cut(part)));
+        if !Field::single(nets.clone()).once() {
+            return None; // the cells alone are too large; they need no cutting
+        }
         let outer = [wide, needed].into_iter().find(|part| field(*part).once())?;
         // exact boxes of high degrees would take seconds each: a wider one then
         let heavy = cells.iter().any(|cell| cell.r.len() > 24);

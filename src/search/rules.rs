@@ -5,6 +5,7 @@ use super::tree::{Cell, Cone, Node, ROUNDING, SINE_SLACK, V3, cross, dot, norm, 
 use crate::bernstein::{self as form, Ball, Form, Scalar, UNIT, Vec3, binomial_error, binomials};
 use crate::enclosure::Interval;
 use crate::integer::Int;
+use std::cell::OnceCell;
 
 /// Certificates hold multipliers in units of 2^-32: few bits, for exact arithmetic, but enough for strands that are far
 /// closer than a cell is long.
@@ -142,29 +143,36 @@ fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> 
     form::dot(d, d).sub(&reach.sqr())
 }
 
-/// D, D.a(s) and D.a(t) on two cells, in f64.
+/// D, D.a(s) and D.a(t) on two cells, in f64; the products are formed when first asked for.
 pub(crate) struct Gap<'c> {
     x: &'c Cell,
     y: &'c Cell,
     pub(crate) d: Vec3<f64>,
-    pub(crate) ds: Form<f64>,
-    pub(crate) dt: Form<f64>,
+    ds: OnceCell<Form<f64>>,
+    dt: OnceCell<Form<f64>>,
 }
 
 impl<'c> Gap<'c> {
     pub(crate) fn of(x: &'c Cell, y: &'c Cell) -> Self {
-        let d = difference(x, y);
-        let (ax, ay) = (x.hodograph_forms(), y.hodograph_forms().map(Form::transposed));
-        let (ds, dt) = (form::dot(&d, &ax), form::dot(&d, &ay));
-        Self { x, y, d, ds, dt }
+        Self { x, y, d: difference(x, y), ds: OnceCell::new(), dt: OnceCell::new() }
+    }
+
+    /// D.a(s).
+    pub(crate) fn ds(&self) -> &Form<f64> {
+        self.ds.get_or_init(|| form::dot(&self.d, &self.x.hodograph_forms()))
+    }
+
+    /// D.a(t).
+    pub(crate) fn dt(&self) -> &Form<f64> {
+        self.dt.get_or_init(|| form::dot(&self.d, &self.y.hodograph_forms().map(Form::transposed)))
     }
 
     /// The rule *together*: k D.a(s) + l D.a(t) has one sign.
     pub(crate) fn together(&self, sides: [f64; 2]) -> Option<bool> {
         let (v, w) = (self.x.weight(0), self.y.weight(0));
         let [k, l] = [sides[0] * w * w * pace(self.x), sides[1] * v * v * pace(self.y)];
-        let constant = |k: f64| Form::from_strip(&[k], 0.0, 0);
-        self.ds.mul(&constant(k)).add(&self.dt.mul(&constant(l))).one_sign()
+        let constant = |k: f64| exactly([k]);
+        self.ds().mul(&constant(k)).add(&self.dt().mul(&constant(l))).one_sign()
     }
 
     /// The rule *bent*.
@@ -176,18 +184,23 @@ impl<'c> Gap<'c> {
         let ratio = y.weight(0) * own.weights()[0] / (x.weight(0) * other.weights()[0]);
         let multiplier = |c: f64, k: f64, own: &Shape| {
             let [[from, to], second] = lines(c, own);
-            Form::from_strip(&[from * k, to * k], 0.0, 0).mul(&Form::from_strip(&second, 0.0, 0))
+            exactly([from * k, to * k]).mul(&exactly(second))
         };
         let mut first = multiplier(centre[0], -ratio * pace(x), &own);
         let mut second = multiplier(centre[1], pace(y) / ratio, &other).transposed();
         if !y.w.is_empty() {
-            first = first.mul(&Form::from_strip(&other.weights(), 0.0, 0).transposed());
+            first = first.mul(&exactly(other.weights()).transposed());
         }
         if !x.w.is_empty() {
-            second = second.mul(&Form::from_strip(&own.weights(), 0.0, 0));
+            second = second.mul(&exactly(own.weights()));
         }
-        plain.add(&first.mul(&self.ds)).add(&second.mul(&self.dt)).positive()
+        plain.add(&first.mul(self.ds())).add(&second.mul(self.dt())).positive()
     }
+}
+
+/// The univariate form with these Bernstein coefficients.
+fn exactly<const N: usize>(c: [f64; N]) -> Form<f64> {
+    Form::from_strip(c.into_iter(), 0.0, 0)
 }
 
 /// r'w - r w' of the cell is `pace` times the hodograph held.
@@ -213,18 +226,20 @@ fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
     let (n, m) = (x.p.len() - 1, y.p.len() - 1);
     let (bs, bt) = (binomials(n), binomials(m));
     let (wx, wy) = (x.heaviest(), y.heaviest());
+    let larger = |m: f64, x: f64| if x > m { x } else { m };
     std::array::from_fn(|k| {
-        let mut mag = 0.0f64;
+        let (mut mag, mut gap) = (0.0, 0.0);
         let mut c = Vec::with_capacity((n + 1) * (m + 1));
-        for i in 0..=n {
-            for j in 0..=m {
-                let d = (x.p[i][k] - y.p[j][k]) * (x.weight(i) * y.weight(j));
-                mag = mag.max(d.abs());
-                c.push(d * (bs[i] * bt[j]));
-            }
+        for (i, (p, b)) in x.p.iter().zip(bs.iter()).enumerate() {
+            c.extend(y.p.iter().zip(bt.iter()).enumerate().map(|(j, (q, b2))| {
+                let q = p[k] - q[k];
+                gap = larger(gap, q.abs());
+                let d = q * (x.weight(i) * y.weight(j));
+                mag = larger(mag, d.abs());
+                d * (b * b2)
+            }));
         }
         let points = (wx + x.w_err) * (wy + y.w_err) * (x.p_err + y.p_err);
-        let gap = x.p.iter().flat_map(|p| y.p.iter().map(move |q| (p[k] - q[k]).abs())).fold(0.0f64, f64::max);
         let heavy = gap * (x.w_err * (wy + y.w_err) + y.w_err * wx) * 2.0;
         let rounding = (8.0 * UNIT + binomial_error(n) + binomial_error(m)) * mag;
         let rad = (points + heavy + rounding) * (1.0 + 1e-6) + 1e-290;

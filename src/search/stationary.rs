@@ -58,13 +58,16 @@ impl Net {
     /// On the box [s0, s1] x [t0, t1] instead of the unit square, which it may leave.
     pub(crate) fn cut(&self, [s, t]: [[f64; 2]; 2]) -> Self {
         let mut cut = self.clone();
-        let (m, n) = (self.ds, self.dt);
-        cut.cut_along(s, m, |line, i| i * (n + 1) + line, n + 1);
-        cut.cut_along(t, n, |line, i| line * (n + 1) + i, m + 1);
+        let width = self.dt + 1;
+        cut.cut_along(s, self.ds, |c, t, rest, right| casteljau_of_rows(c, width, t, rest, right));
+        cut.cut_along(t, self.dt, |c, t, rest, right| {
+            c.chunks_mut(width).for_each(|row| casteljau(row, t, rest, right))
+        });
         cut
     }
 
-    fn cut_along(&mut self, [from, to]: [f64; 2], degree: usize, at: impl Fn(usize, usize) -> usize, lines: usize) {
+    /// `casteljau` goes over all coefficients for the part right of t, or left.
+    fn cut_along(&mut self, [from, to]: [f64; 2], degree: usize, casteljau: impl Fn(&mut [f64], f64, f64, bool)) {
         // the part right of one place and left of another, the farther cut first: its shares stay small
         let cuts = if from + to < 1.0 {
             [(from, true), ((to - from) / (1.0 - from), false)]
@@ -76,14 +79,7 @@ impl Net {
                 continue;
             }
             let (rest, mag) = (1.0 - t, self.mag());
-            for line in 0..lines {
-                for level in 1..=degree {
-                    for i in 0..=degree - level {
-                        let [k, a, b] = if right { [i, i, i + 1] } else { [degree - i, degree - i - 1, degree - i] };
-                        self.c[at(line, k)] = rest * self.c[at(line, a)] + t * self.c[at(line, b)];
-                    }
-                }
-            }
+            casteljau(&mut self.c, t, rest, right);
             // each level rounds a combination whose factors are off by a few roundings too
             let grown = ((t.abs() + rest.abs()).max(1.0) * (1.0 + 16.0 * UNIT)).powi(degree as i32) * SLACK;
             self.rad = grown * (self.rad + 16.0 * degree as f64 * UNIT * mag) * SLACK + 1e-290;
@@ -92,14 +88,18 @@ impl Net {
 
     /// Holds the derivative in one direction all over the square.
     fn slope(&self, along_s: bool) -> Interval {
-        let width = self.dt + 1;
-        let (degree, stride) = if along_s { (self.ds, width) } else { (self.dt, 1) };
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (i, c) in self.c.iter().enumerate() {
-            if along_s && i + width < self.c.len() || !along_s && i % width < self.dt {
-                let rise = self.c[i + stride] - c;
-                (lo, hi) = (lo.min(rise), hi.max(rise));
+        let mut widen = |from: &[f64], to: &[f64]| {
+            for rise in to.iter().zip(from).map(|(b, a)| b - a) {
+                lo = if rise < lo { rise } else { lo };
+                hi = if rise > hi { rise } else { hi };
             }
+        };
+        let (width, degree) = (self.dt + 1, if along_s { self.ds } else { self.dt });
+        if along_s {
+            widen(&self.c, &self.c[width..]);
+        } else {
+            self.c.chunks(width).for_each(|row| widen(row, &row[1..]));
         }
         if lo > hi {
             return Interval::point(0.0);
@@ -111,6 +111,41 @@ impl Net {
     /// The value at the first corner.
     fn corner(&self) -> Interval {
         Interval::new((self.c[0] - self.rad).next_down(), (self.c[0] + self.rad).next_up())
+    }
+}
+
+/// The part of one polynomial right of t, or left.
+fn casteljau(row: &mut [f64], t: f64, rest: f64, right: bool) {
+    let n = row.len() - 1;
+    for level in 1..=n {
+        if right {
+            for i in 0..=n - level {
+                row[i] = rest * row[i] + t * row[i + 1];
+            }
+        } else {
+            for i in (level..=n).rev() {
+                row[i] = rest * row[i - 1] + t * row[i];
+            }
+        }
+    }
+}
+
+/// The same for polynomials whose coefficients are rows.
+fn casteljau_of_rows(c: &mut [f64], width: usize, t: f64, rest: f64, right: bool) {
+    let n = c.len() / width - 1;
+    let mut step = |i: usize| {
+        let (a, b) = c[i * width..(i + 2) * width].split_at_mut(width);
+        for (a, b) in a.iter_mut().zip(b) {
+            let x = rest * *a + t * *b;
+            *if right { a } else { b } = x;
+        }
+    };
+    for level in 1..=n {
+        if right {
+            (0..=n - level).for_each(&mut step);
+        } else {
+            (level - 1..n).rev().for_each(&mut step);
+        }
     }
 }
 
@@ -208,10 +243,16 @@ impl Field {
 /// |q|^2 over a box from |D|^2 and w^2 w^2, by their Bernstein coefficients: the quotient lies between the quotients of
 /// those. `None` if the denominator is not surely positive.
 fn quotient(num: &Form<f64>, den: &Form<f64>) -> Option<Interval> {
+    let around = |x: f64, rad: f64| Interval::new((x - rad).next_down(), (x + rad).next_up());
+    if let [one] = den.c[..] {
+        let (num, den) = (Net::of(num, den.exp), around(one, den.norm.rad));
+        let [least, most] =
+            [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| num.c.iter().copied().fold(num.c[0], pick));
+        return den.is_positive().then(|| around(least, num.rad).hull(around(most, num.rad)) / den);
+    }
     let den = den.elevated(num.ds, num.dt);
     let (num, den) = (Net::of(num, den.exp), Net::of(&den, den.exp));
     let each = num.c.iter().zip(&den.c).map(|(p, q)| {
-        let around = |x: f64, rad: f64| Interval::new((x - rad).next_down(), (x + rad).next_up());
         let (p, q) = (around(*p, num.rad), around(*q, den.rad));
         q.is_positive().then(|| p / q)
     });

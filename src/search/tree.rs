@@ -278,11 +278,18 @@ impl<'a> Tree<'a> {
 /// Value and two derivatives by de Casteljau.
 fn derivatives(c: &[V3], t: f64) -> [V3; 3] {
     let n = c.len() - 1;
-    let mut row = c.to_vec();
-    let mut second = [0.0; 3];
-    let mut first = [0.0; 3];
-    for level in 0..=n {
-        let m = n - level;
+    let mut short = [[0.0; 3]; 12];
+    let mut long;
+    let row = match short.get_mut(..=n) {
+        Some(row) => row,
+        None => {
+            long = vec![[0.0; 3]; n + 1];
+            &mut long
+        }
+    };
+    row.copy_from_slice(c);
+    let (mut first, mut second) = ([0.0; 3], [0.0; 3]);
+    for m in (1..=n).rev() {
         if m == 2 {
             second = std::array::from_fn(|k| (n * (n - 1)) as f64 * (row[2][k] - 2.0 * row[1][k] + row[0][k]));
         }
@@ -341,6 +348,18 @@ impl Cone {
 
 /// sqrt(2 ROUNDING) rounded up: what sqrt(1 - c^2) may lose when c is off by a few units in the last place.
 pub(crate) const SINE_SLACK: f64 = 6.0e-8;
+
+/// Both halves by de Casteljau, `middle` that of two coefficients; the row ends as the second half.
+fn split<T: Copy>(c: &[T], middle: impl Fn(T, T) -> T) -> (Vec<T>, Vec<T>) {
+    let (mut left, mut row) = (c.to_vec(), c.to_vec());
+    for level in 1..c.len() {
+        for i in 0..c.len() - level {
+            row[i] = middle(row[i], row[i + 1]);
+        }
+        left[level] = row[0];
+    }
+    (left, row)
+}
 
 fn span_cell(frame: &Frame, segment: usize) -> Cell {
     let mut cell = Cell {
@@ -423,14 +442,13 @@ impl Cell {
     }
 
     pub(crate) fn weight_form(&self) -> Form<f64> {
-        if self.w.is_empty() { Form::from_strip(&[1.0], 0.0, 0) } else { Form::from_strip(&self.w, self.w_err, 0) }
+        let one: &[f64] = &[1.0];
+        let w = if self.w.is_empty() { one } else { &self.w };
+        Form::from_strip(w.iter().copied(), self.w_err, 0)
     }
 
     pub(crate) fn hodograph_forms(&self) -> Vec3<f64> {
-        std::array::from_fn(|k| {
-            let strip: Vec<f64> = self.a.iter().map(|a| a[k]).collect();
-            Form::from_strip(&strip, self.a_err, 0)
-        })
+        std::array::from_fn(|k| Form::from_strip(self.a.iter().map(|a| a[k]), self.a_err, 0))
     }
 
     /// The arc of the cell, exactly.
@@ -440,38 +458,12 @@ impl Cell {
     }
 
     fn halves(&self) -> (Self, Self) {
-        let split = |c: &[V3]| {
-            let n = c.len() - 1;
-            let mut row = c.to_vec();
-            let (mut left, mut right) = (vec![[0.0; 3]; n + 1], vec![[0.0; 3]; n + 1]);
-            for level in 0..=n {
-                left[level] = row[0];
-                right[n - level] = row[n - level];
-                for i in 0..n - level {
-                    row[i] = std::array::from_fn(|k| 0.5 * (row[i][k] + row[i + 1][k]));
-                }
-            }
-            (left, right)
-        };
-        let split1 = |c: &[f64]| {
-            let Some(n) = c.len().checked_sub(1) else { return (vec![], vec![]) };
-            let mut row = c.to_vec();
-            let (mut left, mut right) = (vec![0.0; n + 1], vec![0.0; n + 1]);
-            for level in 0..=n {
-                left[level] = row[0];
-                right[n - level] = row[n - level];
-                for i in 0..n - level {
-                    row[i] = 0.5 * (row[i] + row[i + 1]);
-                }
-            }
-            (left, right)
-        };
+        let (r0, r1) = split(&self.r, |x, y| std::array::from_fn(|k| 0.5 * (x[k] + y[k])));
+        let (a0, a1) = split(&self.a, |x, y| std::array::from_fn(|k| 0.5 * (x[k] + y[k])));
+        let (w0, w1) = split(&self.w, |x, y| 0.5 * (x + y));
         // each level rounds one sum, and averages do not amplify: degree * UNIT * max per split
         let grown = |err: f64, max: f64, n: usize| (err + (n as f64 * UNIT) * max) * (1.0 + 1e-9) + 1e-290;
         let largest = |v: &[V3]| v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
-        let (r0, r1) = split(&self.r);
-        let (a0, a1) = split(&self.a);
-        let (w0, w1) = split1(&self.w);
         let w_max = self.w.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let r_err = grown(self.r_err, largest(&self.r), self.r.len());
         let w_err = if self.w.is_empty() { 0.0 } else { grown(self.w_err, w_max, self.w.len()) };
