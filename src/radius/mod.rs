@@ -93,7 +93,7 @@ fn rim_of(terms: &Terms, end_to_body: Enclosure, end_to_end: Enclosure) -> Rim {
 
 /// The share below a candidate at which the lower bound is tried.
 fn margin(options: &RadiusOptions) -> f64 {
-    0.4 * options.rel_width
+    0.39 * options.rel_width
 }
 
 struct Job<'a> {
@@ -128,7 +128,7 @@ impl<'a> Job<'a> {
     fn run(mut self) -> (Radius, Upper) {
         let (bend, peak) = curvature::curvature(self.frame, self.margin, &mut self.meter);
         // searches start a little above what binds already: a term that ties is met, one that does not is proved above
-        let a_little = 1.0 + 4.0 * self.margin;
+        let a_little = 1.0 + 1.6 * self.options.rel_width;
         let body = body::body_to_body(&mut self.tree, bend * a_little, self.margin, &mut self.meter);
         let contact = body.candidate.filter(|_| body.radius < 1e-12);
         if let Some(touch) = contact.and_then(|pair| self.exact.self_contact(&pair)) {

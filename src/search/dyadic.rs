@@ -128,21 +128,32 @@ pub(crate) fn ratio(num: &Dyadic, den: &Dyadic) -> f64 {
     ldexp(num.m.to_f64_shifted(a) / den.m.to_f64_shifted(b), a + num.e - b - den.e)
 }
 
-/// A small f64 at or above `near` that satisfies an exact monotone condition.
+/// The least f64 that satisfies an exact monotone condition, which 0 need not and something near `near` does.
 pub(crate) fn least_f64(near: f64, holds: impl Fn(&Dyadic) -> bool) -> Option<f64> {
-    let mut r = near * (1.0 - 4.0 * f64::EPSILON);
-    let mut step = f64::EPSILON;
-    for _ in 0..60 {
-        if !r.is_finite() {
-            return None;
-        }
-        if holds(&Dyadic::from_f64(r)) {
-            return Some(r);
-        }
-        r = (r * (1.0 + step)).next_up();
-        step *= 2.0;
+    // numbers >= 0 are ordered as their bits
+    let holds = |bits: u64| holds(&Dyadic::from_f64(f64::from_bits(bits)));
+    if !near.is_finite() || near <= 0.0 {
+        return (near == 0.0 && holds(0)).then_some(0.0);
     }
-    None
+    let (mut low, mut high, mut step) = (near.to_bits(), near.to_bits(), 1);
+    if holds(high) {
+        while low > 0 && holds(low) {
+            (low, high, step) = (low.saturating_sub(step), low, 2 * step);
+        }
+    } else {
+        while !holds(high) {
+            if high == f64::MAX.to_bits() {
+                return None;
+            }
+            (low, high, step) = (high, (high + step).min(f64::MAX.to_bits()), 2 * step);
+        }
+    }
+    // the condition fails at low, or low is 0
+    while low + 1 < high {
+        let middle = low.midpoint(high);
+        if holds(middle) { high = middle } else { low = middle }
+    }
+    Some(f64::from_bits(high))
 }
 
 impl Form<Int> {

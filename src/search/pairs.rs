@@ -362,7 +362,7 @@ impl Search<'_, '_> {
         let outer = [wide, needed].into_iter().find(|part| field(*part).once())?;
         // exact boxes of high degrees would take seconds each: a wider one then
         let heavy = cells.iter().any(|cell| cell.r.len() > 24);
-        for wider in if heavy { [0.45, 29.0].as_slice() } else { &[0.45] } {
+        for wider in if heavy { [0.44, 29.0].as_slice() } else { &[0.44] } {
             let inner = [0, 1].map(|k| {
                 let half = (wider * self.width[cells[k].segment] / h[k]).min(0.04);
                 [near[k] - half, near[k] + half]
@@ -435,7 +435,7 @@ impl Search<'_, '_> {
                 truncated(&moved, 80)
             });
         }
-        let asked = [0, 1].map(|k| 1 - decompose_exponent(0.45 * self.width[cells[k].segment]));
+        let asked = [0, 1].map(|k| 1 - decompose_exponent(0.44 * self.width[cells[k].segment]));
         for more in [0, -6, 24, 48] {
             let reach = [0, 1].map(|k| (asked[k] + more).max(depth[k] + 3));
             let (inner, [x, y]) = (places(&at, reach), around(&at, reach)?);

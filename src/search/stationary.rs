@@ -82,7 +82,7 @@ impl Net {
             casteljau(&mut self.c, t, rest, right);
             // each level rounds a combination whose factors are off by a few roundings too
             let grown = ((t.abs() + rest.abs()).max(1.0) * (1.0 + 16.0 * UNIT)).powi(degree as i32) * SLACK;
-            self.rad = grown * (self.rad + 16.0 * degree as f64 * UNIT * mag) * SLACK + 1e-290;
+            self.rad = grown * (self.rad + 9.0 * degree as f64 * UNIT * mag) * SLACK + 1e-290;
         }
     }
 
