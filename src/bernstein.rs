@@ -534,7 +534,7 @@ impl Scalar for f64 {
 
     fn norm_mul(a: &Form<Self>, b: &Form<Self>, terms: usize) -> Ball {
         let (x, y) = (a.norm, b.norm);
-        let rounding = terms as f64 * UNIT * (x.mag + x.rad) * (y.mag + y.rad);
+        let rounding = (terms + 2) as f64 * UNIT * (x.mag + x.rad) * (y.mag + y.rad);
         let inherited = x.rad * y.mag + x.mag * y.rad + x.rad * y.rad;
         Ball { mag: x.mag * y.mag * SLACK, rad: (rounding + inherited) * SLACK + TINY }
     }
@@ -615,13 +615,13 @@ impl Scalar for f64 {
         let (ds, dt) = (a[0].ds + b[0].ds, a[0].dt + b[0].dt);
         let mut c = vec![0.0; (ds + 1) * (dt + 1)];
         a[0].add_product(&b[0], &mut c);
-        let mut norm = Self::norm_mul(&a[0], &b[0], a[0].terms(&b[0]) + 2);
+        let mut norm = Self::norm_mul(&a[0], &b[0], a[0].terms(&b[0]));
         let mut product = vec![0.0; c.len()];
         for (a, b) in a.iter().zip(b).skip(1) {
             product.fill(0.0);
             a.add_product(b, &mut product);
             c.iter_mut().zip(&product).for_each(|(c, p)| *c += p);
-            let of_one = Self::norm_mul(a, b, a.terms(b) + 2);
+            let of_one = Self::norm_mul(a, b, a.terms(b));
             norm = Ball { mag: norm.mag + of_one.mag, rad: norm.rad + of_one.rad };
         }
         let norm = Ball { mag: norm.mag * SLACK, rad: norm.rad * SLACK };

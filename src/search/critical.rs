@@ -290,7 +290,7 @@ impl Near {
     fn bracket(&self, x: f64, [first, last]: [Ordering; 2], row: &mut Vec<f64>) -> [f64; 2] {
         let [_, slope] = self.at(x, row);
         let error = self.rounded();
-        let least = (2.0 * error / slope.abs()).max(8.0 * UNIT);
+        let least = (1.25 * error / slope.abs()).max(8.0 * UNIT);
         let mut side = |sign: Ordering, toward: f64| {
             let mut step = least;
             while step < 1.0 {
@@ -298,7 +298,7 @@ impl Near {
                 if Self::sign(self.at(p, row)[0], error) == sign {
                     return p;
                 }
-                step *= 4.0;
+                step *= 1.6;
             }
             0.5 + 0.5 * toward
         };

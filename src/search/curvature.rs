@@ -72,13 +72,15 @@ impl<const N: usize> Strip<N> {
 
     /// Value at t, numerically, without 2^exp.
     fn at(&self, t: f64) -> [f64; N] {
-        let (n, binomials) = (self.c.len() - 1, binomials(self.c.len() - 1));
-        let (mut sum, mut power) = ([0.0; N], 1.0);
-        for (c, binomial) in self.c[..n].iter().zip(binomials.iter()) {
-            sum = std::array::from_fn(|k| (sum[k] + binomial * power * c[k]) * (1.0 - t));
-            power *= t;
-        }
-        std::array::from_fn(|k| sum[k] + power * self.c[n][k])
+        at(&self.c, t)
+    }
+
+    /// The derivative over the value, of which |.|^2 has half: (v.v') / (v.v), numerically.
+    fn growth(&self, t: f64) -> f64 {
+        let rises = self.c.windows(2).map(|c| std::array::from_fn(|k| (self.c.len() - 1) as f64 * (c[1][k] - c[0][k])));
+        let (value, slope) = (self.at(t), at(rises.collect::<Vec<[f64; N]>>().as_slice(), t));
+        let dot = |v: &[f64; N]| v.iter().zip(&value).map(|(x, y)| x * y).sum::<f64>();
+        dot(&slope) / dot(&value)
     }
 
     /// Holds the values, without 2^exp, from middle - half to middle + half, and the control points of the arc there.
@@ -101,7 +103,7 @@ impl<const N: usize> Strip<N> {
         }
         // the sum is at most exp(step) - 1 - step
         let bent = step * step * size;
-        let rounded = 8.0 * (n + 1) as f64 * UNIT * size + self.rad;
+        let rounded = 6.0 * (n + 1) as f64 * UNIT * size + self.rad;
         std::array::from_fn(|k| {
             let slope = next[k] - row[0][k];
             let value = row[0][k] + middle * slope;
@@ -127,6 +129,17 @@ impl<const N: usize> Strip<N> {
     fn longest(&self) -> f64 {
         self.c.iter().map(length).fold(0.0, f64::max) * (1.0 + 8.0 * UNIT) + 2.0 * self.rad
     }
+}
+
+/// The value at t of the polynomial with these Bernstein coefficients, numerically; 0 if there are none.
+fn at<const N: usize>(c: &[[f64; N]], t: f64) -> [f64; N] {
+    let Some((last, c)) = c.split_last() else { return [0.0; N] };
+    let (mut sum, mut power) = ([0.0; N], 1.0);
+    for (c, binomial) in c.iter().zip(binomials(c.len()).iter()) {
+        sum = std::array::from_fn(|k| (sum[k] + binomial * power * c[k]) * (1.0 - t));
+        power *= t;
+    }
+    std::array::from_fn(|k| sum[k] + power * last[k])
 }
 
 fn max_abs<const N: usize>(c: &[[f64; N]]) -> f64 {
@@ -186,6 +199,31 @@ impl Strips {
 
     fn radius_at(&self, t: f64) -> f64 {
         self.radius(length(&self.a.at(t)), length(&self.b.at(t)), self.w.at(t)[0])
+    }
+
+    /// The place near t where the derivative of 1/kappa = |a|^3 / (|b| w^3) vanishes, if it does within `h`: values alone
+    /// place it to half the digits only.
+    fn peak(&self, t: f64, h: f64) -> f64 {
+        let slope = |t: f64| 3.0 * self.a.growth(t) - self.b.growth(t) - 3.0 * self.w.growth(t);
+        let (mut lo, mut hi) = (t - h, t + h);
+        let (mut below, mut above) = (slope(lo), slope(hi));
+        if !(lo > 0.0 && hi < 1.0 && below < 0.0 && above > 0.0) {
+            return t;
+        }
+        // the secant, with half the weight of an end that stays
+        for _ in 0..12 {
+            let middle = lo + (hi - lo) * below / (below - above);
+            let here = slope(middle);
+            if here == 0.0 || !(lo < middle && middle < hi) {
+                return middle.clamp(lo, hi);
+            }
+            if here < 0.0 {
+                (lo, below, above) = (middle, here, 0.5 * above);
+            } else {
+                (hi, above, below) = (middle, here, 0.5 * below);
+            }
+        }
+        0.5 * (lo + hi)
     }
 
     /// A crude lower bound for 1/kappa on the cell: shortest a along its mean, longest b, largest w.
@@ -313,7 +351,9 @@ impl Search<'_> {
     /// Golden section for the least 1/kappa near t.
     fn climb(&mut self, segment: usize, t: f64, h: f64) {
         let strips = &self.spans[segment];
-        let (t, mut radius) = golden(|t| strips.radius_at(t), t, h);
+        let (t, least) = golden(|t| strips.radius_at(t), t, h);
+        let t = strips.peak(t, 1e-6 * h);
+        let mut radius = strips.radius_at(t).min(least);
         if length(&strips.a.at(t)) < 1e10 * strips.a.rad {
             // the hodograph is small against its rounding here
             radius = exact_radius(&self.frame.segments[segment], t).unwrap_or(radius);

@@ -10,7 +10,7 @@ use super::dyadic::{Dyadic, decompose_exponent, ratio, step, truncated};
 use super::evidence::axis_of;
 use super::frame::{At, Frame};
 use super::meter::Meter;
-use super::newton::newton_step;
+use super::newton::{Step, newton_step};
 use super::rules::{Gap, Model, bulge, one_side, sides, tilted};
 use super::stationary::{Field, Net, distance_exactly, distance_over};
 use super::strand::{Strand, strand_beyond};
@@ -233,8 +233,14 @@ impl Search<'_, '_> {
         let at = |s: f64, t: f64| newton_step(&self.tree.evaluate(x.segment, s), &self.tree.evaluate(y.segment, t));
         let step = at(s, t)?;
         let model = Model::of(&step, [hs, ht], bulge(x) + bulge(y));
-        let gap = Gap::of(x, y);
+        let near = |ds: f64, dt: f64| ds.abs() < 0.7 * hs && dt.abs() < 0.7 * ht;
+        let promising = near(step.ds, step.dt);
+        let blurred = !apart && a.rad.max(b.rad) <= 64.0 * x.p_err.max(y.p_err);
         let [first_changes, second_changes] = step.changes([hs, ht]);
+        if first_changes && second_changes && model.shares.is_none() && !promising && !blurred {
+            return None; // no rule would close the cells
+        }
+        let gap = Gap::of(x, y);
         if !first_changes && gap.ds().one_sign() == Some(true) {
             return rule(first);
         }
@@ -247,35 +253,26 @@ impl Search<'_, '_> {
             return rule(Node::Side(fields.map(|k| k as i64)));
         }
         // where f64 no longer sees the arcs, their exact points may still have a side
-        if !apart
-            && a.rad.max(b.rad) <= 64.0 * x.p_err.max(y.p_err)
-            && let Some(side) = exact_side(self.tree.frame, [x, y])
-        {
+        if blurred && let Some(side) = exact_side(self.tree.frame, [x, y]) {
             return rule(side);
         }
-        let near = |ds: f64, dt: f64| ds.abs() < 0.7 * hs && dt.abs() < 0.7 * ht;
-        if !near(step.ds, step.dt) {
-            return None;
-        }
         let (mut p, mut q, mut last) = (s + step.ds, t + step.dt, step);
-        // most likely the pair that is alone in that box
-        let place = [x.segment as f64 + p, y.segment as f64 + q];
-        if self
-            .found
-            .roots
-            .iter()
-            .any(|root| (0..2).all(|k| root.about[k][0] <= place[k] && place[k] <= root.about[k][1]))
-        {
+        // in a box of a pair that is alone there it would most likely lead to that
+        if !promising || self.claimed([x.segment as f64 + p, y.segment as f64 + q]) {
             return None;
         }
+        let length = |step: &Step| (step.ds.abs() / hs).max(step.dt.abs() / ht);
         for _ in 0..8 {
-            if last.ds.abs() <= 1e-13 * hs && last.dt.abs() <= 1e-13 * ht {
-                break;
-            }
+            let before = length(&last);
             last = at(p, q)?;
             (p, q) = (p + last.ds, q + last.dt);
             if !near(p - s, q - t) {
                 return None;
+            }
+            // the steps shrink to their squares, times a constant that these two tell
+            let now = length(&last);
+            if now <= 1e-13 || now.powi(3) <= 1e-14 * before * before {
+                break;
             }
         }
         if self.met([x.segment as f64 + p, y.segment as f64 + q]) {
@@ -307,6 +304,12 @@ impl Search<'_, '_> {
             (maybe(0, u) && maybe(1, v) && inside(0, s) && inside(1, t))
                 || (maybe(0, v) && maybe(1, u) && inside(0, t) && inside(1, s))
         })
+    }
+
+    /// Is a place, in positions, in a box in which a pair is alone? Numerically.
+    fn claimed(&self, place: [f64; 2]) -> bool {
+        let inside = |root: &Root| (0..2).all(|k| root.about[k][0] <= place[k] && place[k] <= root.about[k][1]);
+        self.found.roots.iter().any(inside)
     }
 
     /// Is a place, in positions, that of a pair that is known? Numerically.

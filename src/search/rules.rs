@@ -227,17 +227,21 @@ fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
     let (bs, bt) = (binomials(n), binomials(m));
     let (wx, wy) = (x.heaviest(), y.heaviest());
     let larger = |m: f64, x: f64| if x > m { x } else { m };
+    // in columns, so that the inner loop runs over neighbours
+    let weights: Vec<f64> = (0..=m).map(|j| y.weight(j)).collect();
     std::array::from_fn(|k| {
+        let column: Vec<f64> = y.p.iter().map(|q| q[k]).collect();
         let (mut mag, mut gap) = (0.0, 0.0);
-        let mut c = Vec::with_capacity((n + 1) * (m + 1));
-        for (i, (p, b)) in x.p.iter().zip(bs.iter()).enumerate() {
-            c.extend(y.p.iter().zip(bt.iter()).enumerate().map(|(j, (q, b2))| {
-                let q = p[k] - q[k];
+        let mut c = vec![0.0; (n + 1) * (m + 1)];
+        for (i, row) in c.chunks_exact_mut(m + 1).enumerate() {
+            let (p, v, b) = (x.p[i][k], x.weight(i), bs[i]);
+            for (((c, q), w), b2) in row.iter_mut().zip(&column).zip(&weights).zip(bt.iter()) {
+                let q = p - q;
                 gap = larger(gap, q.abs());
-                let d = q * (x.weight(i) * y.weight(j));
+                let d = q * (v * w);
                 mag = larger(mag, d.abs());
-                d * (b * b2)
-            }));
+                *c = d * (b * b2);
+            }
         }
         let points = (wx + x.w_err) * (wy + y.w_err) * (x.p_err + y.p_err);
         let heavy = gap * (x.w_err * (wy + y.w_err) + y.w_err * wx) * 2.0;

@@ -105,7 +105,8 @@ impl Net {
             return Interval::point(0.0);
         }
         let off = (2.0 * self.rad + 4.0 * UNIT * self.mag()) * SLACK;
-        Interval::new((lo - off).next_down(), (hi + off).next_up()) * Interval::point(degree as f64)
+        let times = degree as f64;
+        Interval::new(((lo - off).next_down() * times).next_down(), ((hi + off).next_up() * times).next_up())
     }
 
     /// The value at the first corner.

@@ -9,7 +9,7 @@ use super::newton::Candidate;
 use super::tree::V3;
 use crate::bernstein::Vec3;
 use crate::certificate::{Foot, Upper};
-use crate::integer::Int;
+use crate::integer::{Int, ldexp};
 use crate::number::{Rational, compare};
 use num_bigint::BigInt;
 
@@ -165,8 +165,14 @@ impl<'f> Exact<'f> {
         forms.a.each_ref().map(|a| a.at(&at.t))
     }
 
-    /// W1: the least f64 radius R at hand with kappa(t)^2 >= 1/R^2.
+    /// W1: the least f64 radius R with kappa(t)^2 >= 1/R^2, at the peak or at a simple parameter next to it.
     pub(crate) fn curved(&mut self, peak: &Peak) -> Option<Witness> {
+        let simple = ldexp(ldexp(peak.t, 26).round(), -26);
+        let found = [simple, peak.t].map(|t| self.curved_at(&Peak { t, ..*peak }));
+        found.into_iter().flatten().min_by(|a, b| a.radius.total_cmp(&b.radius))
+    }
+
+    fn curved_at(&mut self, peak: &Peak) -> Option<Witness> {
         let at = At::near((peak.segment, peak.t));
         let a = self.hodograph(&at);
         let (forms, b) = self.span(at.segment);
