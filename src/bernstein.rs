@@ -9,8 +9,6 @@
 
 use crate::enclosure::Interval;
 use crate::integer::{Int, decompose, exact_div, lcm, ldexp};
-use num_bigint::BigInt;
-use num_traits::One;
 use std::borrow::Cow;
 
 /// Half an ulp of 1: the relative error of one rounded f64 operation.
@@ -322,7 +320,7 @@ impl Form<Int> {
     /// The Bernstein (unscaled) coefficients of a univariate form, up to a common positive factor.
     pub(crate) fn bernstein(&self) -> Vec<Int> {
         let binomials = int_binomials(self.ds);
-        let common = Int::from(binomials.iter().fold(BigInt::one(), |all, b| lcm(&all, &b.big())));
+        let common = binomials.iter().fold(Int::ONE, |all, b| lcm(&all, b));
         self.c.iter().zip(&binomials).map(|(c, b)| &exact_div(&common, b) * c).collect()
     }
 

@@ -3,7 +3,8 @@
 use num_bigint::BigInt;
 use num_bigint::Sign;
 use num_integer::Integer;
-use num_traits::{Signed, ToPrimitive, Zero};
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive};
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Shl, Sub};
 
@@ -17,6 +18,10 @@ pub(crate) enum Int {
 impl Int {
     pub(crate) const ZERO: Self = Self::Small(0);
     pub(crate) const ONE: Self = Self::Small(1);
+
+    pub(crate) fn of(a: &BigInt) -> Self {
+        a.to_i128().map_or_else(|| Self::Big(Box::new(a.clone())), Self::Small)
+    }
 
     pub(crate) fn big(&self) -> BigInt {
         match self {
@@ -207,14 +212,22 @@ impl Ord for Int {
 
 /// Greatest common divisor, never negative.
 pub(crate) fn gcd(a: &Int, b: &Int) -> Int {
-    if let (Int::Small(a), Int::Small(b)) = (a, b) {
-        let (mut a, mut b) = (a.unsigned_abs(), b.unsigned_abs());
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        return Int::from(BigInt::from(a));
+    let (Int::Small(a), Int::Small(b)) = (a, b) else {
+        return Int::from(num_integer::Integer::gcd(&a.big(), &b.big()));
+    };
+    let (mut a, mut b) = (a.unsigned_abs(), b.unsigned_abs());
+    while b > u128::from(u64::MAX) || (a > u128::from(u64::MAX) && b != 0) {
+        (a, b) = (b, a % b);
     }
-    Int::from(num_integer::Integer::gcd(&a.big(), &b.big()))
+    if b != 0 {
+        // both fit: a division of u128 takes many times as long
+        let (mut c, mut d) = (a as u64, b as u64);
+        while d != 0 {
+            (c, d) = (d, c % d);
+        }
+        a = u128::from(c);
+    }
+    i128::try_from(a).map_or_else(|_| Int::from(BigInt::from(a)), Int::Small)
 }
 
 /// `a / b` where b divides a.
@@ -231,8 +244,14 @@ pub(crate) fn dot(u: &[Int; 3], v: &[Int; 3]) -> Int {
 }
 
 /// Least common multiple of positive integers.
-pub(crate) fn lcm(a: &BigInt, b: &BigInt) -> BigInt {
-    if a.is_zero() || b.is_zero() { BigInt::zero() } else { num_integer::Integer::lcm(a, b) }
+pub(crate) fn lcm(a: &Int, b: &Int) -> Int {
+    if a == b { a.clone() } else { &exact_div(a, &gcd(a, b)) * b }
+}
+
+/// The rationals times their common denominator, and that.
+pub(crate) fn common_integers<'a>(list: impl Iterator<Item = &'a BigRational> + Clone) -> (Vec<Int>, Int) {
+    let den = list.clone().fold(Int::ONE, |l, x| lcm(&l, &Int::of(x.denom())));
+    (list.map(|x| &Int::of(x.numer()) * &exact_div(&den, &Int::of(x.denom()))).collect(), den)
 }
 
 #[cfg(test)]
@@ -260,7 +279,11 @@ mod tests {
             prop_assert_eq!(&x << s, Int::from(&a << s));
             prop_assert_eq!(-&x, Int::from(-&a));
             prop_assert_eq!(x.cmp(&y), a.cmp(&b));
+            prop_assert_eq!(Int::of(&a), x.clone());
             prop_assert_eq!(gcd(&x, &y), Int::from(num_integer::Integer::gcd(&a, &b)));
+            if x.sign().is_gt() && y.sign().is_gt() {
+                prop_assert_eq!(lcm(&x, &y), Int::from(num_integer::Integer::lcm(&a, &b)));
+            }
             if !y.is_zero() {
                 prop_assert_eq!(exact_div(&(&x * &y), &y), x);
             }

@@ -3,7 +3,7 @@
 use crate::bernstein::{Form, int_binomials};
 use crate::curve::Curve;
 use crate::error::{Error, ErrorKind};
-use crate::integer::{self, Int, exact_div, gcd, lcm};
+use crate::integer::{self, Int, common_integers, exact_div, gcd, lcm};
 use crate::number::{Rational, compare, rational_from_f64, same};
 use crate::roots::{Place, common_zero};
 use num_bigint::BigInt;
@@ -303,27 +303,18 @@ fn bezier_segments(curve: &Curve) -> Vec<Segment> {
     (n..curve.control_points().len())
         .filter(|&k| compare(&knots[k], &knots[k + 1]).is_lt())
         .map(|k| {
-            let u = common_integers(&knots[k + 1 - n..=k + n]);
+            let (u, _) = common_integers(knots[k + 1 - n..=k + n].iter());
             let points = homogeneous(curve, k - n..=k);
-            let columns: Vec<[Int; 4]> = (0..=n).map(|j| blossom(&points, &u, n, j)).collect();
+            let ends_repeat = u[..n].iter().all(|x| *x == u[0]) && u[n..].iter().all(|x| *x == u[n]);
+            let columns = if ends_repeat { points } else { (0..=n).map(|j| blossom(&points, &u, n, j)).collect() };
             Segment { from: knots[k].clone(), to: knots[k + 1].clone(), bezier: reduced(columns) }
         })
         .collect()
 }
 
-/// The rationals times their common denominator.
-fn common_integers(list: &[Rational]) -> Vec<Int> {
-    let den = list.iter().fold(BigInt::one(), |l, x| lcm(&l, x.denom()));
-    list.iter().map(|x| Int::from(x.numer() * (&den / x.denom()))).collect()
-}
-
 fn homogeneous(curve: &Curve, range: std::ops::RangeInclusive<usize>) -> Vec<[Int; 4]> {
-    let weights = common_integers(&curve.weights()[range.clone()]);
-    let points = &curve.control_points()[range];
-    let flat: Vec<Rational> = points.iter().flatten().cloned().collect();
-    let flat = common_integers(&flat);
-    let den = points.iter().flatten().fold(BigInt::one(), |l, x| lcm(&l, x.denom()));
-    let den = Int::from(den);
+    let (weights, _) = common_integers(curve.weights()[range.clone()].iter());
+    let (flat, den) = common_integers(curve.control_points()[range].iter().flatten());
     flat.chunks(3).zip(&weights).map(|(p, w)| [&p[0] * w, &p[1] * w, &p[2] * w, &den * w]).collect()
 }
 
@@ -333,8 +324,7 @@ fn blossom(points: &[[Int; 4]], u: &[Int], n: usize, j: usize) -> [Int; 4] {
     for level in 1..=n {
         let argument = if level > n - j { &u[n] } else { &u[n - 1] };
         let lengths: Vec<Int> = (level..=n).map(|i| &u[i + n - level] - &u[i - 1]).collect();
-        let common = lengths.iter().fold(BigInt::one(), |l, x| lcm(&l, &x.big()));
-        let common = Int::from(common);
+        let common = lengths.iter().fold(Int::ONE, |l, x| lcm(&l, x));
         for i in (level..=n).rev() {
             let share = exact_div(&common, &lengths[i - level]);
             let right = &(argument - &u[i - 1]) * &share;

@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use num_bigint::BigInt;
-use num_traits::One;
-
 use crate::error::{Error, ErrorKind};
-use crate::integer::{Int, exact_div, gcd, lcm};
+use crate::integer::{Int, common_integers, exact_div, gcd, lcm};
 use crate::number::Rational;
 
 pub(super) fn trimmed(mut p: Vec<Int>) -> Vec<Int> {
@@ -40,7 +37,7 @@ pub(super) fn to_power(bernstein: &[Int]) -> Vec<Int> {
 /// A positive multiple of the Bernstein coefficients b on [0, 1]: p[k] / C(n,k) are the differences of order k at b[0].
 pub(crate) fn to_bernstein(power: &[Int]) -> Vec<Int> {
     let binomials = crate::bernstein::int_binomials(power.len() - 1);
-    let common = Int::from(binomials.iter().fold(BigInt::one(), |all, c| lcm(&all, &c.big())));
+    let common = binomials.iter().fold(Int::ONE, |all, c| lcm(&all, c));
     let mut row: Vec<Int> = power.iter().zip(&binomials).map(|(p, c)| p * &exact_div(&common, c)).collect();
     let mut bernstein = vec![row[0].clone()];
     for order in (1..power.len()).rev() {
@@ -113,8 +110,7 @@ pub(super) fn of_factors<R>(
     at_zero: impl FnOnce(Arc<Vec<Int>>, usize) -> R,
     mut isolated: impl FnMut(&Arc<Vec<Int>>, usize) -> Vec<R>,
 ) -> Result<Vec<R>, Error> {
-    let common = coefficients.iter().fold(BigInt::one(), |all, c| lcm(&all, c.denom()));
-    let mut p = trimmed(coefficients.iter().map(|c| Int::from(c.numer() * (&common / c.denom()))).collect());
+    let mut p = trimmed(common_integers(coefficients.iter()).0);
     if p.is_empty() {
         return Err(Error::new(ErrorKind::Irregular, "the polynomial is zero: every number is a root")
             .help("give a polynomial with a coefficient that is not 0"));

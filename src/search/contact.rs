@@ -7,7 +7,7 @@ use super::strand::{Strand, over, strand};
 use super::witness::{Exact, POLISHED, Point, distance, distance_sq};
 use crate::bernstein::{Form, dot};
 use crate::certificate::{Foot, Upper};
-use crate::integer::{self, Int, exact_div, gcd, lcm};
+use crate::integer::{self, Int, common_integers, exact_div, gcd};
 use crate::number::{Rational, compare, same};
 use crate::spine::Bezier;
 use num_bigint::BigInt;
@@ -156,9 +156,8 @@ impl Exact<'_> {
         let within = compare(&zero, &image[start]).is_le() && compare(&image[end], &one).is_le();
         let around = !closed || compare(&second[end], &place(segments.len(), &first[0])).is_lt();
         (within && around && compare(&first[1], &second[start]).is_lt()).then_some(())?;
-        let common = lcm(image[0].denom(), image[1].denom());
-        let [u, v] = image.each_ref().map(|t| Int::from(t.numer() * (&common / t.denom())));
-        let other = segments[l].between(&u, &v, &Int::from(common));
+        let (ends, common) = common_integers(image.iter());
+        let other = segments[l].between(&ends[0], &ends[1], &common);
         let normal = through_mirror(&segments[k].arc(&arc[0], &arc[1]), &other)?.map(|x| Rational::from(x.big()));
         // the image between dyadic numbers
         let unit = BigInt::from(1) << 80_u8;
