@@ -24,6 +24,8 @@ mod options;
 #[cfg(feature = "search")]
 mod pairs;
 #[cfg(feature = "search")]
+mod parallel;
+#[cfg(feature = "search")]
 mod polyline;
 mod print;
 #[cfg(feature = "search")]

@@ -5,6 +5,7 @@ use crate::curve::Curve;
 use crate::error::{Error, ErrorKind};
 use crate::integer::{self, Int, common_integers, exact_div, gcd, lcm};
 use crate::number::{Rational, compare, rational_from_f64, same};
+use crate::parallel;
 use crate::roots::{Place, common_zero};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
@@ -185,10 +186,9 @@ impl Spine {
         for segment in &mut segments {
             orient(segment)?;
         }
-        for segment in &segments {
-            if let Some(place) = common_zero(&segment.bezier.hodograph()) {
-                return Err(irregular(&curve, segment, &place));
-            }
+        let zeros = parallel::map(&segments, |segment| common_zero(&segment.bezier.hodograph()));
+        if let Some((segment, place)) = segments.iter().zip(zeros).find_map(|(segment, zero)| Some((segment, zero?))) {
+            return Err(irregular(&curve, segment, &place));
         }
         let (first, last) = (&segments[0].bezier, &segments[segments.len() - 1].bezier);
         let (start, end) = (first.point(0), last.point(last.degree()));
@@ -300,16 +300,15 @@ fn irregular(curve: &Curve, segment: &Segment, place: &Place) -> Error {
 /// common denominator is the same for all j and drops out of homogeneous coordinates.
 fn bezier_segments(curve: &Curve) -> Vec<Segment> {
     let (n, knots) = (curve.degree(), curve.knots());
-    (n..curve.control_points().len())
-        .filter(|&k| compare(&knots[k], &knots[k + 1]).is_lt())
-        .map(|k| {
-            let (u, _) = common_integers(knots[k + 1 - n..=k + n].iter());
-            let points = homogeneous(curve, k - n..=k);
-            let ends_repeat = u[..n].iter().all(|x| *x == u[0]) && u[n..].iter().all(|x| *x == u[n]);
-            let columns = if ends_repeat { points } else { (0..=n).map(|j| blossom(&points, &u, n, j)).collect() };
-            Segment { from: knots[k].clone(), to: knots[k + 1].clone(), bezier: reduced(columns) }
-        })
-        .collect()
+    let spans: Vec<usize> =
+        (n..curve.control_points().len()).filter(|&k| compare(&knots[k], &knots[k + 1]).is_lt()).collect();
+    parallel::map(&spans, |&k| {
+        let (u, _) = common_integers(knots[k + 1 - n..=k + n].iter());
+        let points = homogeneous(curve, k - n..=k);
+        let ends_repeat = u[..n].iter().all(|x| *x == u[0]) && u[n..].iter().all(|x| *x == u[n]);
+        let columns = if ends_repeat { points } else { (0..=n).map(|j| blossom(&points, &u, n, j)).collect() };
+        Segment { from: knots[k].clone(), to: knots[k + 1].clone(), bezier: reduced(columns) }
+    })
 }
 
 fn homogeneous(curve: &Curve, range: std::ops::RangeInclusive<usize>) -> Vec<[Int; 4]> {

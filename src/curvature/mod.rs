@@ -170,7 +170,7 @@ impl Inner {
         let kappa = if inflection {
             Enclosure::ZERO
         } else if zero.known {
-            enclosure(kappa.on(&zero.lo, &zero.hi, |kappa| enclosure(kappa).is_within(0.5 * widths.share)))
+            enclosure(kappa.on(&zero.lo, &zero.hi, |kappa| enclosure(kappa).is_within(0.2 * widths.share)))
         } else {
             Enclosure { lo: 0.0, hi: kappa.at_most(&zero.lo, &zero.hi) }
         };

@@ -374,7 +374,7 @@ impl Search<'_> {
             let x = near.root(before.is_lt(), row);
             let [p, q] = near.bracket(x, [before, after], row);
             place = (between(&place, p), between(&place, q));
-            if length(&place) <= self.width {
+            if length(&place) <= 0.5 * self.width {
                 break;
             }
             near = anew(self.exact.ok_or(Unclear)?, &place);

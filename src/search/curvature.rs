@@ -7,6 +7,7 @@ use super::meter::Meter;
 use crate::bernstein::{Form, Scalar, UNIT, Vec3, binomial_error, binomials, dot};
 use crate::enclosure::Interval;
 use crate::integer::{Int, ldexp};
+use crate::parallel;
 use crate::spine::Bezier;
 
 /// Cells deeper than this are given up.
@@ -260,7 +261,7 @@ pub(crate) fn straight(frame: &Frame) -> bool {
 /// Proves 1/kappa > radius everywhere, for a radius just below (by `margin`) the least 1/kappa; returns that radius
 /// and the place.
 pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, Option<Peak>) {
-    let spans: Vec<Strips> = frame.segments.iter().map(Strips::new).collect();
+    let spans = parallel::map(&frame.segments, Strips::new);
     let mut search = Search { frame, spans: &spans, margin, radius: f64::MAX, peak: None };
     for segment in 0..spans.len() {
         search.sample(segment);

@@ -7,6 +7,7 @@ use super::dyadic::{Dyadic, shifted};
 use crate::bernstein::{Form, Scalar, Vec3, cross};
 use crate::integer::{Int, exact_div, gcd};
 use crate::number::Rational;
+use crate::parallel;
 use crate::spine::{Bezier, Spine};
 use num_rational::Ratio;
 
@@ -39,7 +40,7 @@ impl Frame {
     pub(crate) fn new(spine: &Spine) -> Self {
         let beziers: Vec<&Bezier> = spine.segments.iter().map(|s| &s.bezier).collect();
         let (origin, scale) = placement(&beziers);
-        let segments = beziers.iter().map(|b| moved(b, &origin, scale)).collect();
+        let segments = parallel::map(&beziers, |b| moved(b, &origin, scale));
         let mut knots: Vec<Rational> = spine.segments.iter().map(|s| s.from.clone()).collect();
         knots.extend(spine.segments.last().map(|s| s.to.clone()));
         // origin is in units of 2^-scale

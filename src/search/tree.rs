@@ -5,6 +5,7 @@ use super::dyadic::Dyadic;
 use super::frame::Frame;
 use crate::bernstein::{Form, UNIT, Vec3};
 use crate::integer::{Int, ldexp};
+use crate::parallel;
 use crate::spine::Bezier;
 
 pub(crate) type V3 = [f64; 3];
@@ -71,6 +72,25 @@ pub(crate) struct Node {
     halves: Option<(Id, Id)>,
 }
 
+impl Node {
+    fn of(mut cell: Cell, frame: &Frame) -> Self {
+        cell.refresh(frame);
+        let (mid, rad) = cell.ball();
+        let cone = cell.cone();
+        let unit = 1u128 << (MAX_DEPTH - cell.depth);
+        let place = |index: u128| {
+            let fraction = index * unit;
+            if fraction >> MAX_DEPTH == 1 {
+                Place { segment: cell.segment + 1, fraction: 0 }
+            } else {
+                Place { segment: cell.segment, fraction }
+            }
+        };
+        let (start, end) = (place(cell.index), place(cell.index + 1));
+        Self { start, end, mid, rad, cone, cell: Some(Box::new(cell)), blocks: None, halves: None }
+    }
+}
+
 /// A circular cone: every vector in it makes an angle with `axis` whose cosine is at least `cos`; -1 if nothing is
 /// known. The axis is a unit vector up to rounding.
 #[derive(Debug, Clone, Copy)]
@@ -111,12 +131,10 @@ pub(crate) struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     pub(crate) fn new(frame: &'a Frame) -> Self {
-        let mut tree = Self { frame, nodes: vec![], spans: vec![] };
-        for segment in 0..frame.segments.len() {
-            let id = tree.push_cell(span_cell(frame, segment));
-            tree.spans.push(id);
-        }
-        let spans = tree.spans.clone();
+        let all: Vec<usize> = (0..frame.segments.len()).collect();
+        let nodes = parallel::map(&all, |segment| Node::of(span_cell(frame, *segment), frame));
+        let spans: Vec<Id> = all.iter().map(|segment| *segment as Id).collect();
+        let mut tree = Self { frame, nodes, spans: spans.clone() };
         tree.block(&spans);
         tree
     }
@@ -194,21 +212,8 @@ impl<'a> Tree<'a> {
         true
     }
 
-    fn push_cell(&mut self, mut cell: Cell) -> Id {
-        cell.refresh(self.frame);
-        let (mid, rad) = cell.ball();
-        let cone = cell.cone();
-        let unit = 1u128 << (MAX_DEPTH - cell.depth);
-        let place = |index: u128| {
-            let fraction = index * unit;
-            if fraction >> MAX_DEPTH == 1 {
-                Place { segment: cell.segment + 1, fraction: 0 }
-            } else {
-                Place { segment: cell.segment, fraction }
-            }
-        };
-        let (start, end) = (place(cell.index), place(cell.index + 1));
-        self.nodes.push(Node { start, end, mid, rad, cone, cell: Some(Box::new(cell)), blocks: None, halves: None });
+    fn push_cell(&mut self, cell: Cell) -> Id {
+        self.nodes.push(Node::of(cell, self.frame));
         (self.nodes.len() - 1) as Id
     }
 
