@@ -76,7 +76,7 @@ const TABLE: &[(&str, &[&str])] = &[
         ],
     ),
     ("squares", &["certificate", "check", "claim", "error", "number", "options", "roots", "search", "spine"]),
-    ("radius", &["certificate", "check", "curve", "error", "number", "options", "search", "spine"]),
+    ("radius", &["certificate", "check", "curve", "error", "integer", "number", "options", "search", "spine"]),
 ];
 
 /// The trust line: what reads the curve of a claim, and what checks. Besides them only the words of `error` and `print`.
