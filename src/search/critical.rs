@@ -194,7 +194,8 @@ pub(crate) struct Near {
 impl Near {
     fn new(form: &Form<f64>) -> Self {
         let (c, rad) = form.strip();
-        Self::of(c, rad)
+        // what f64 tells with little to spare is left to the integers: they answer far more narrowly
+        Self::of(c, 1.5 * rad)
     }
 
     fn of(c: Vec<f64>, rad: f64) -> Self {
