@@ -151,7 +151,7 @@ impl Arc {
             ends = found.map(Some);
             inner = zeros.into_iter().map(|zero| Inner::new(&kappa, zero, widths)).collect();
             // a small curvature wants a shorter arc
-            if meter.stopped.is_some() || inner.iter().all(|i| !i.zero.known || i.kappa.is_within(widths.share)) {
+            if meter.stopped.is_some() || inner.iter().all(|i| !i.zero.known || i.kappa.is_within(0.2 * widths.share)) {
                 break;
             }
             width *= FINER;

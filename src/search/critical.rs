@@ -194,8 +194,7 @@ pub(crate) struct Near {
 impl Near {
     fn new(form: &Form<f64>) -> Self {
         let (c, rad) = form.strip();
-        // what f64 tells with little to spare is left to the integers: they answer far more narrowly
-        Self::of(c, 1.5 * rad)
+        Self::of(c, rad)
     }
 
     fn of(c: Vec<f64>, rad: f64) -> Self {
@@ -375,7 +374,7 @@ impl Search<'_> {
             let x = near.root(before.is_lt(), row);
             let [p, q] = near.bracket(x, [before, after], row);
             place = (between(&place, p), between(&place, q));
-            if length(&place) <= 0.5 * self.width {
+            if length(&place) <= 0.2 * self.width {
                 break;
             }
             near = anew(self.exact.ok_or(Unclear)?, &place);

@@ -167,7 +167,7 @@ impl<'f> Exact<'f> {
 
     /// W1: the least f64 radius R with kappa(t)^2 >= 1/R^2, at the peak or at a simple parameter next to it.
     pub(crate) fn curved(&mut self, peak: &Peak) -> Option<Witness> {
-        let simple = ldexp(ldexp(peak.t, 26).round(), -26);
+        let simple = ldexp(ldexp(peak.t, 20).round(), -20);
         let found = [simple, peak.t].map(|t| self.curved_at(&Peak { t, ..*peak }));
         found.into_iter().flatten().min_by(|a, b| a.radius.total_cmp(&b.radius))
     }
