@@ -16,13 +16,13 @@ pub fn run(args: &CheckArgs) -> Said {
     let job = Job::load(common)?;
     let vertices = vertices(&args.polyline)?;
     let options = CheckOptions::new()
-        .rel_width(common.rel_width)
+        .rel_width(common.limits.rel_width)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer =
-        job.done(tubecert::check(&job.spine, &vertices, args.tolerance, &options)).map_err(|mut failure| {
+        job.done(tubecert::check(&job.spine, &vertices, args.near.tolerance, &options)).map_err(|mut failure| {
             if failure.key.as_deref() == Some("vertices") {
                 failure.file = Some(args.polyline.display().to_string());
             }
@@ -36,7 +36,7 @@ pub fn run(args: &CheckArgs) -> Said {
         Verdict::Refuted => REJECTED,
         _ => UNDECIDED,
     };
-    Ok((if common.json { as_json(&job, &answer) } else { as_text(&job, &answer, args.tolerance) }, code))
+    Ok((if common.json { as_json(&job, &answer) } else { as_text(&job, &answer, args.near.tolerance) }, code))
 }
 
 #[derive(serde::Serialize)]
