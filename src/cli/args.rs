@@ -152,8 +152,9 @@ pub struct SquaresArgs {
 pub struct PolylineArgs {
     #[command(flatten)]
     pub common: Common,
-    #[command(flatten)]
-    pub near: Near,
+    /// The greatest Frechet distance, in the curve's unit
+    #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
+    pub tolerance: f64,
     /// Write the polyline to FILE, which ends in .json, .csv or .obj
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -166,13 +167,6 @@ pub struct CheckArgs {
     pub common: Common,
     /// The polyline: .json (a list of points, or an answer), .csv (x,y,z) or .obj (v and l lines)
     pub polyline: PathBuf,
-    #[command(flatten)]
-    pub near: Near,
-}
-
-#[cfg(feature = "search")]
-#[derive(Debug, Clone, clap::Args)]
-pub struct Near {
     /// The greatest Frechet distance, in the curve's unit
     #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
     pub tolerance: f64,
@@ -203,8 +197,10 @@ pub struct BatchArgs {
     pub limits: Limits,
     #[command(flatten, next_help_heading = "Options of the task radius")]
     pub terms: Terms,
-    #[command(flatten, next_help_heading = "Options of the task polyline")]
-    pub near: Option<Near>,
+    /// The greatest Frechet distance, in the curve's unit
+    #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
+    #[arg(required_if_eq("task", "polyline"), help_heading = "Options of the task polyline")]
+    pub tolerance: Option<f64>,
 }
 
 /// The commands that can be asked of many curves.

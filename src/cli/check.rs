@@ -22,7 +22,7 @@ pub fn run(args: &CheckArgs) -> Said {
         .budget(job.budget())
         .progress(job.progress());
     let answer =
-        job.done(tubecert::check(&job.spine, &vertices, args.near.tolerance, &options)).map_err(|mut failure| {
+        job.done(tubecert::check(&job.spine, &vertices, args.tolerance, &options)).map_err(|mut failure| {
             if failure.key.as_deref() == Some("vertices") {
                 failure.file = Some(args.polyline.display().to_string());
             }
@@ -36,7 +36,7 @@ pub fn run(args: &CheckArgs) -> Said {
         Verdict::Refuted => REJECTED,
         _ => UNDECIDED,
     };
-    Ok((if common.json { as_json(&job, &answer) } else { as_text(&job, &answer, args.near.tolerance) }, code))
+    Ok((if common.json { as_json(&job, &answer) } else { as_text(&job, &answer, args.tolerance) }, code))
 }
 
 #[derive(serde::Serialize)]

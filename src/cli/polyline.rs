@@ -25,7 +25,7 @@ pub fn answer(job: &Job, args: &PolylineArgs) -> Said {
         .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
-    let answer = job.done(tubecert::polyline(&job.spine, args.near.tolerance, &options))?;
+    let answer = job.done(tubecert::polyline(&job.spine, args.tolerance, &options))?;
     if !answer.is_certified() {
         return Ok((if common.json { as_json(job, &answer) } else { nothing(job, &answer) }, UNDECIDED));
     }
@@ -41,7 +41,7 @@ pub fn answer(job: &Job, args: &PolylineArgs) -> Said {
             Box::new(Failure { file, help, ..Failure::new(ErrorKind::Io.word(), message, NO_CLAIM) })
         })?;
     }
-    Ok((if common.json { as_json(job, &answer) } else { as_text(job, &answer, args.near.tolerance) }, DONE))
+    Ok((if common.json { as_json(job, &answer) } else { as_text(job, &answer, args.tolerance) }, DONE))
 }
 
 /// The polyline as a file, by the ending of its name.

@@ -92,11 +92,11 @@ enum Asked {
 
 impl Asked {
     fn new(args: &BatchArgs) -> Result<Self, Box<Failure>> {
-        let (terms, near) = (args.terms.clone(), args.near.clone());
+        let (terms, tolerance) = (args.terms.clone(), args.tolerance);
         if terms.all_terms && args.task != Task::Radius {
             return Err(usage("--all-terms", "--all-terms is an option of the task radius alone"));
         }
-        if near.is_some() && args.task != Task::Polyline {
+        if tolerance.is_some() && args.task != Task::Polyline {
             return Err(usage("--tolerance", "--tolerance is an option of the task polyline alone"));
         }
         let common = Common { curve: PathBuf::new(), json: true, certificate: None, limits: args.limits.clone() };
@@ -105,8 +105,8 @@ impl Asked {
             Task::Curvature => Self::Curvature(CurvatureArgs { common }),
             Task::Pairs => Self::Pairs(PairsArgs { common }),
             Task::Polyline => {
-                let near = near.ok_or_else(|| usage("--tolerance", "the task polyline needs --tolerance T"))?;
-                Self::Polyline(PolylineArgs { common, near, output: None })
+                let tolerance = tolerance.ok_or_else(|| usage("--tolerance", "the task polyline needs --tolerance T"))?;
+                Self::Polyline(PolylineArgs { common, tolerance, output: None })
             }
         })
     }
