@@ -105,7 +105,8 @@ impl Asked {
             Task::Curvature => Self::Curvature(CurvatureArgs { common }),
             Task::Pairs => Self::Pairs(PairsArgs { common }),
             Task::Polyline => {
-                let tolerance = tolerance.ok_or_else(|| usage("--tolerance", "the task polyline needs --tolerance T"))?;
+                let tolerance =
+                    tolerance.ok_or_else(|| usage("--tolerance", "the task polyline needs --tolerance T"))?;
                 Self::Polyline(PolylineArgs { common, tolerance, output: None })
             }
         })
