@@ -232,7 +232,11 @@ pub(crate) fn dot(u: &[Int; 3], v: &[Int; 3]) -> Int {
 
 /// Least common multiple of positive integers.
 pub(crate) fn lcm(a: &BigInt, b: &BigInt) -> BigInt {
-    if a.is_zero() || b.is_zero() { BigInt::zero() } else { num_integer::Integer::lcm(a, b) }
+    match (a.to_u64(), b.to_u64()) {
+        _ if a.is_zero() || b.is_zero() => BigInt::zero(),
+        (Some(a), Some(b)) => BigInt::from(u128::from(a / a.gcd(&b)) * u128::from(b)),
+        _ => num_integer::Integer::lcm(a, b),
+    }
 }
 
 #[cfg(test)]

@@ -303,28 +303,38 @@ fn bezier_segments(curve: &Curve) -> Vec<Segment> {
     (n..curve.control_points().len())
         .filter(|&k| compare(&knots[k], &knots[k + 1]).is_lt())
         .map(|k| {
-            let u = common_integers(&knots[k + 1 - n..=k + n]);
+            let around = &knots[k + 1 - n..=k + n];
             let points = homogeneous(curve, k - n..=k);
-            let columns: Vec<[Int; 4]> = (0..=n).map(|j| blossom(&points, &u, n, j)).collect();
+            // between full knots the control points are the Bezier points already
+            let full = same(&around[0], &around[n - 1]) && same(&around[n], &around[2 * n - 1]);
+            let columns = if full {
+                points
+            } else {
+                let u = common_integers(around, &common_denominator(around));
+                (0..=n).map(|j| blossom(&points, &u, n, j)).collect()
+            };
             Segment { from: knots[k].clone(), to: knots[k + 1].clone(), bezier: reduced(columns) }
         })
         .collect()
 }
 
+fn common_denominator(list: &[Rational]) -> BigInt {
+    list.iter().fold(BigInt::one(), |l, x| lcm(&l, x.denom()))
+}
+
 /// The rationals times their common denominator.
-fn common_integers(list: &[Rational]) -> Vec<Int> {
-    let den = list.iter().fold(BigInt::one(), |l, x| lcm(&l, x.denom()));
-    list.iter().map(|x| Int::from(x.numer() * (&den / x.denom()))).collect()
+fn common_integers(list: &[Rational], den: &BigInt) -> Vec<Int> {
+    list.iter().map(|x| Int::from(x.numer() * (den / x.denom()))).collect()
 }
 
 fn homogeneous(curve: &Curve, range: std::ops::RangeInclusive<usize>) -> Vec<[Int; 4]> {
-    let weights = common_integers(&curve.weights()[range.clone()]);
-    let points = &curve.control_points()[range];
-    let flat: Vec<Rational> = points.iter().flatten().cloned().collect();
-    let flat = common_integers(&flat);
-    let den = points.iter().flatten().fold(BigInt::one(), |l, x| lcm(&l, x.denom()));
+    let weights = &curve.weights()[range.clone()];
+    let weights = common_integers(weights, &common_denominator(weights));
+    let flat = curve.control_points()[range].as_flattened();
+    let den = common_denominator(flat);
+    let numerators = common_integers(flat, &den);
     let den = Int::from(den);
-    flat.chunks(3).zip(&weights).map(|(p, w)| [&p[0] * w, &p[1] * w, &p[2] * w, &den * w]).collect()
+    numerators.chunks(3).zip(&weights).map(|(p, w)| [&p[0] * w, &p[1] * w, &p[2] * w, &den * w]).collect()
 }
 
 /// `u` holds knots[k+1-n ..= k+n], so u[n-1] = a and u[n] = b.
