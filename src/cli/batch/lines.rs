@@ -105,7 +105,7 @@ fn length(path: &Path) -> Result<Option<u64>, Box<Failure>> {
     if data.is_dir() {
         return Err(unreadable(io::ErrorKind::IsADirectory.into()));
     }
-    Ok(data.is_file().then(|| data.len()))
+    Ok(data.is_file().then_some(data.len()))
 }
 
 impl Open {
