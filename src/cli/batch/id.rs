@@ -21,7 +21,10 @@ pub fn take(line: &mut [u8]) -> Result<Option<Box<RawValue>>, Box<Failure>> {
     Ok(Some(id))
 }
 
-fn find(line: &[u8]) -> Result<Option<(Range<usize>, Box<RawValue>)>, Box<Failure>> {
+/// Where the key stands, and the value.
+type Found = (Range<usize>, Box<RawValue>);
+
+fn find(line: &[u8]) -> Result<Option<Found>, Box<Failure>> {
     let Ok(text) = str::from_utf8(line) else { return Ok(None) };
     let ids = serde_json::Deserializer::from_str(text).deserialize_map(Ids).unwrap_or_default();
     let offset = |part: &RawValue| part.get().as_ptr() as usize - text.as_ptr() as usize;
