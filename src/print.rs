@@ -211,11 +211,12 @@ pub fn upper_text(x: f64) -> String {
 
 fn outward_text(x: f64, step: fn(f64) -> f64) -> String {
     let text = nearest_text(x);
-    let exact = match (parse_rational(&text), rational_from_f64(x)) {
+    let exact = || match (parse_rational(&text), rational_from_f64(x)) {
         (Ok(printed), Some(meant)) => same(&printed, &meant),
         _ => !x.is_finite(),
     };
-    if exact {
+    // m 2^-k = m 5^k 10^-k with an odd m has more than the 17 digits of a shortest decimal if k > 24
+    if binary_places(x) <= 24 && exact() {
         return text;
     }
     let outer = step(x);
@@ -225,6 +226,16 @@ fn outward_text(x: f64, step: fn(f64) -> f64) -> String {
     // Beyond +-f64::MAX there is no f64 to step to, but this decimal is beyond it and still nearest to it.
     let sign = if x < 0.0 { "-" } else { "" };
     format!("{sign}1.7976931348623158e308")
+}
+
+/// The k of `x` = m 2^-k with an odd m, at most 1,074; 0 for 0.
+fn binary_places(x: f64) -> i64 {
+    if x == 0.0 {
+        return 0;
+    }
+    let field = ((x.to_bits() >> 52) & 0x7ff).max(1) as i64;
+    // the hidden bit is the last one that there can be
+    1075 - field - i64::from((x.to_bits() | 1 << 52).trailing_zeros())
 }
 
 /// The shortest decimal whose nearest f64 is `x`, as a JSON number; `null` if `x` is not finite.

@@ -223,11 +223,15 @@ fn check_texts(x: f64) {
         assert!(nearest == x || nearest == x.next_down() || nearest == x.next_up());
     }
     assert_eq!(nearest_text(x).parse::<f64>().unwrap(), x);
+    let short = read(&nearest_text(x)) == exact;
+    assert_eq!((lower_text(x) == nearest_text(x), upper_text(x) == nearest_text(x)), (short, short), "{x:e}");
 }
 
 #[test]
 fn printed_bounds_hold_both_as_decimal_and_as_f64() {
     edges().into_iter().for_each(check_texts);
+    // where shortest decimals end to be exact
+    (0..60).for_each(|k| [1.0, -3.0, 1025.0].map(|m| m * 0.5_f64.powi(k)).into_iter().for_each(check_texts));
     assert_eq!((lower_text(0.0), upper_text(-0.0)), ("0".into(), "0".into()));
     assert_eq!((lower_text(1.0), lower_text(-2.5)), ("1".into(), "-2.5".into()));
     assert_eq!((lower_text(1e22), upper_text(1e22)), ("1e22".into(), "1e22".into()));

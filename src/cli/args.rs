@@ -1,5 +1,7 @@
 //! What may be typed. A command or flag that does not work yet does not stand here.
 
+#[cfg(feature = "search")]
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -38,6 +40,9 @@ pub enum Command {
     /// A polyline within a tolerance of the curve and isotopic to it
     #[cfg(feature = "search")]
     Polyline(PolylineArgs),
+    /// Answers for every line of files of curves (NDJSON), in order, on many threads; can be cut off and resumed
+    #[cfg(feature = "search")]
+    Batch(BatchArgs),
     /// Certifies or refutes a polyline made elsewhere: is it within a tolerance of the curve and isotopic to it?
     #[cfg(feature = "search")]
     Check(CheckArgs),
@@ -79,12 +84,20 @@ pub struct Common {
     /// Print the answer as JSON; a failure too
     #[arg(long)]
     pub json: bool,
-    /// The asked relative width, between 0 and 1: hi - lo <= W hi
-    #[arg(long, value_name = "W", default_value = "1e-9", value_parser = rel_width, allow_negative_numbers = true)]
-    pub rel_width: f64,
     /// Write the evidence to FILE, after replaying it; `tubecert verify` checks it
     #[arg(long, value_name = "FILE")]
     pub certificate: Option<PathBuf>,
+    #[command(flatten)]
+    pub limits: Limits,
+}
+
+/// How narrow an answer is to be, and what it may cost.
+#[cfg(feature = "search")]
+#[derive(Debug, Clone, clap::Args)]
+pub struct Limits {
+    /// The asked relative width, between 0 and 1: hi - lo <= W hi
+    #[arg(long, value_name = "W", default_value = "1e-9", value_parser = rel_width, allow_negative_numbers = true)]
+    pub rel_width: f64,
     /// Stop after N cells with what is proved by then
     #[arg(long, value_name = "N", default_value_t = 20_000_000, allow_negative_numbers = true)]
     pub max_cells: u64,
@@ -98,6 +111,13 @@ pub struct Common {
 pub struct RadiusArgs {
     #[command(flatten)]
     pub common: Common,
+    #[command(flatten)]
+    pub terms: Terms,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, Clone, clap::Args)]
+pub struct Terms {
     /// Enclose every term, also those that cannot bind, and the rim terms; can take much longer
     #[arg(long)]
     pub all_terms: bool,
@@ -150,6 +170,62 @@ pub struct CheckArgs {
     /// The greatest Frechet distance, in the curve's unit
     #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
     pub tolerance: f64,
+}
+
+#[cfg(feature = "search")]
+#[derive(Debug, clap::Args)]
+pub struct BatchArgs {
+    /// What to ask of every curve
+    #[arg(long)]
+    pub task: Task,
+    /// Files with a curve file, on one line, on each line; - or none is standard input
+    #[arg(value_name = "FILE", default_value = "-")]
+    pub files: Vec<PathBuf>,
+    /// Write the records to FILE, which must be empty or new without --resume
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Go on where the records in the output end; begin if there are none
+    #[arg(long, requires = "output")]
+    pub resume: bool,
+    /// Of all lines only every N-th, from the I-th on; the shards 1/N .. N/N are all lines
+    #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1")]
+    pub shard: Shard,
+    /// Work on so many threads; all cores without it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub limits: Limits,
+    #[command(flatten, next_help_heading = "Options of the task radius")]
+    pub terms: Terms,
+    /// The greatest Frechet distance, in the curve's unit
+    #[arg(long, value_name = "T", value_parser = length, allow_negative_numbers = true)]
+    #[arg(required_if_eq("task", "polyline"), help_heading = "Options of the task polyline")]
+    pub tolerance: Option<f64>,
+}
+
+/// The commands that can be asked of many curves.
+#[cfg(feature = "search")]
+#[derive(Debug, Clone, Copy, PartialEq, clap::ValueEnum)]
+pub enum Task {
+    Radius,
+    Curvature,
+    Pairs,
+    Polyline,
+}
+
+/// Of the lines k = 0, 1, .. those with k mod `of` = `index`.
+#[cfg(feature = "search")]
+#[derive(Debug, Clone, Copy)]
+pub struct Shard {
+    pub index: u64,
+    pub of: u64,
+}
+
+#[cfg(feature = "search")]
+fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u64>().ok()?, n.parse().ok()?)));
+    let shard = parts.filter(|(i, n)| (1..=*n).contains(i)).map(|(i, of)| Shard { index: i - 1, of });
+    shard.ok_or_else(|| "a share I/N with 1 <= I <= N is wanted, for instance 3/16".to_string())
 }
 
 /// The greatest f64 that is not above the number that is spelled.

@@ -16,9 +16,9 @@ pub fn run(args: &CheckArgs) -> Said {
     let job = Job::load(common)?;
     let vertices = vertices(&args.polyline)?;
     let options = CheckOptions::new()
-        .rel_width(common.rel_width)
+        .rel_width(common.limits.rel_width)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer =

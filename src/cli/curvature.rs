@@ -13,18 +13,21 @@ use super::{DONE, Said, UNDECIDED};
 use serde_json::value::RawValue;
 
 pub fn run(args: &CurvatureArgs) -> Said {
+    answer(&Job::load(&args.common)?, args)
+}
+
+pub fn answer(job: &Job, args: &CurvatureArgs) -> Said {
     let common = &args.common;
-    let job = Job::load(common)?;
     let options = CurvatureOptions::new()
-        .rel_width(common.rel_width)
+        .rel_width(common.limits.rel_width)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer = job.done(tubecert::curvature(&job.spine, &options))?;
     job.certify(answer.certificate.as_ref(), Statement::Curvature(claimed(&answer)))?;
     let code = if answer.complete { DONE } else { UNDECIDED };
-    let text = if common.json { as_json(&job, &answer) } else { as_text(&job, &answer) };
+    let text = if common.json { as_json(job, &answer) } else { as_text(job, &answer) };
     Ok((text, code))
 }
 

@@ -24,13 +24,28 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let file = args.curve.display().to_string();
         let bytes = read(&args.curve, &file)?;
-        let spine = Curve::from_json_slice(&bytes).and_then(Spine::from_curve);
-        let spine = spine.map_err(|error| Box::new(Failure::of(file.clone(), error)))?;
         // drawn on a terminal only, and first after a second
         let bar = ProgressBar::no_length();
         bar.set_style(
             ProgressStyle::with_template("{spinner} {human_pos} cells").unwrap_or(ProgressStyle::default_spinner()),
         );
+        Self::new(args, start, file, &bytes, bar)
+    }
+
+    /// One of many: its progress is not shown.
+    pub fn of_line(args: &'a Common, file: &str, bytes: &[u8]) -> Result<Self, Box<Failure>> {
+        Self::new(args, Instant::now(), file.to_string(), bytes, ProgressBar::hidden())
+    }
+
+    fn new(
+        args: &'a Common,
+        start: Instant,
+        file: String,
+        bytes: &[u8],
+        bar: ProgressBar,
+    ) -> Result<Self, Box<Failure>> {
+        let spine = Curve::from_json_slice(bytes).and_then(Spine::from_curve);
+        let spine = spine.map_err(|error| Box::new(Failure::of(file.clone(), error)))?;
         Ok(Self { args, file, spine, start, bar })
     }
 
@@ -46,7 +61,7 @@ impl<'a> Job<'a> {
 
     /// What is left of the budget; without one, as good as for ever.
     pub fn budget(&self) -> Duration {
-        self.args.budget.map_or(Duration::MAX, |limit| limit.saturating_sub(self.start.elapsed()))
+        self.args.limits.budget.map_or(Duration::MAX, |limit| limit.saturating_sub(self.start.elapsed()))
     }
 
     /// The answer of the library, or why there is none.
@@ -59,9 +74,9 @@ impl<'a> Job<'a> {
     pub fn certify(&self, certificate: Option<&Certificate>, statement: Statement) -> Result<(), Box<Failure>> {
         let Some(path) = &self.args.certificate else { return Ok(()) };
         let claim = Claim { curve: self.spine.curve().clone(), statement };
-        let limit = self.args.budget.map(|_| self.budget());
+        let limit = self.args.limits.budget.map(|_| self.budget());
         replayed(certificate, &claim, limit).and_then(|text| written(path, &text)).map_err(|message| {
-            let width = format!("raise --rel-width (now {:e}), wider bounds need less", self.args.rel_width);
+            let width = format!("raise --rel-width (now {:e}), wider bounds need less", self.args.limits.rel_width);
             let help = Some(format!("nothing is claimed: {width}; or run without --certificate"));
             let file = Some(path.display().to_string());
             Box::new(Failure { file, help, ..Failure::new(ErrorKind::Certificate.word(), message, NO_CLAIM) })
@@ -70,10 +85,10 @@ impl<'a> Job<'a> {
 
     /// What to raise to have an answer narrower.
     pub fn limit(&self, stopped: Option<Stop>) -> String {
-        match (stopped, self.args.budget) {
-            (Some(Stop::MaxCells), _) => format!("raise --max-cells (now {})", self.args.max_cells),
+        match (stopped, self.args.limits.budget) {
+            (Some(Stop::MaxCells), _) => format!("raise --max-cells (now {})", self.args.limits.max_cells),
             (Some(_), Some(limit)) => format!("raise --budget (now {} seconds)", limit.as_secs_f64()),
-            _ => format!("raise --rel-width (now {:e})", self.args.rel_width),
+            _ => format!("raise --rel-width (now {:e})", self.args.limits.rel_width),
         }
     }
 }

@@ -35,7 +35,21 @@ struct CurveName<'a> {
 #[derive(serde::Serialize)]
 struct FailureAnswer<'a> {
     schema: u8,
+    #[cfg(feature = "search")]
+    #[serde(flatten)]
+    origin: Option<&'a Origin<'a>>,
     error: &'a Failure,
+}
+
+/// Which line of which file a record of a batch is about.
+#[cfg(feature = "search")]
+#[derive(serde::Serialize)]
+pub struct Origin<'a> {
+    /// As it is spelled.
+    pub id: Option<&'a RawValue>,
+    pub file: &'a str,
+    /// From 1.
+    pub line: u64,
 }
 
 pub fn answer(command: &'static str, curve: &Curve, data: impl Serialize) -> String {
@@ -50,7 +64,24 @@ pub fn answer(command: &'static str, curve: &Curve, data: impl Serialize) -> Str
 }
 
 pub fn failure(failure: &Failure) -> String {
-    line(&FailureAnswer { schema: SCHEMA, error: failure })
+    line(&FailureAnswer {
+        schema: SCHEMA,
+        #[cfg(feature = "search")]
+        origin: None,
+        error: failure,
+    })
+}
+
+#[cfg(feature = "search")]
+pub fn failed_record(origin: &Origin, failure: &Failure) -> String {
+    line(&FailureAnswer { schema: SCHEMA, origin: Some(origin), error: failure })
+}
+
+/// The answer of a command, and as its last keys the origin.
+#[cfg(feature = "search")]
+pub fn record(origin: &Origin, answer: &str) -> String {
+    let open = answer.trim_end().strip_suffix('}').unwrap_or(answer);
+    format!("{open},{}", line(origin).trim_start_matches('{'))
 }
 
 fn line(value: &impl Serialize) -> String {

@@ -3,6 +3,8 @@
 mod answer;
 mod args;
 #[cfg(feature = "search")]
+mod batch;
+#[cfg(feature = "search")]
 mod check;
 #[cfg(feature = "search")]
 mod curvature;
@@ -80,6 +82,8 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "search")]
         Command::Polyline(args) => say(polyline::run(&args), args.common.json),
         #[cfg(feature = "search")]
+        Command::Batch(args) => batch::run(&args),
+        #[cfg(feature = "search")]
         Command::Check(args) => say(check::run(&args), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
@@ -93,14 +97,7 @@ pub fn main() -> ExitCode {
 
 /// The bytes of a file, never more than are allowed.
 fn read(path: &Path, file: &str) -> Result<Vec<u8>, Box<Failure>> {
-    let failure = |kind: ErrorKind, message, help: &str| {
-        let file = Some(file.to_string());
-        Box::new(Failure { file, help: Some(help.to_string()), ..Failure::new(kind.word(), message, UNUSABLE) })
-    };
-    let unreadable = |error: io::Error| {
-        let help = "give a readable file, or - for standard input";
-        failure(ErrorKind::Io, format!("the file cannot be read: {error}"), help)
-    };
+    let unreadable = |error: io::Error| Failure::unreadable(file, &error);
     let most = MAX_BYTES as u64;
     let (mut bytes, mut length) = (Vec::new(), 0);
     if path == Path::new("-") {
@@ -114,8 +111,7 @@ fn read(path: &Path, file: &str) -> Result<Vec<u8>, Box<Failure>> {
         }
     }
     if length.max(bytes.len() as u64) > most {
-        let message = format!("the file has more than {most} bytes, the limit MAX_BYTES");
-        return Err(failure(ErrorKind::Limit, message, "cut the curve into several files"));
+        return Err(Failure::too_long("file", file));
     }
     Ok(bytes)
 }
@@ -134,6 +130,22 @@ impl Failure {
         let help = Some(error.help).filter(|help| !help.is_empty());
         let Error { kind, key, index, offset, message, .. } = error;
         Self { kind: kind.word(), file: Some(file), key, index, message, help, offset, code }
+    }
+
+    fn in_file(file: &str, kind: ErrorKind, message: String, help: &str) -> Box<Self> {
+        let file = Some(file.to_string());
+        Box::new(Self { file, help: Some(help.to_string()), ..Self::new(kind.word(), message, UNUSABLE) })
+    }
+
+    fn unreadable(file: &str, error: &io::Error) -> Box<Self> {
+        let help = "give a readable file, or - for standard input";
+        Self::in_file(file, ErrorKind::Io, format!("the file cannot be read: {error}"), help)
+    }
+
+    /// `what`: the file, or a line of it.
+    fn too_long(what: &str, file: &str) -> Box<Self> {
+        let message = format!("the {what} has more than {MAX_BYTES} bytes, the limit MAX_BYTES");
+        Self::in_file(file, ErrorKind::Limit, message, "cut the curve into several files")
     }
 
     /// What clap says: a first paragraph, then advice.

@@ -12,12 +12,15 @@ use super::text::unit;
 use super::{DONE, Said, UNDECIDED};
 
 pub fn run(args: &PairsArgs) -> Said {
+    answer(&Job::load(&args.common)?, args)
+}
+
+pub fn answer(job: &Job, args: &PairsArgs) -> Said {
     let common = &args.common;
-    let job = Job::load(common)?;
     let options = PairsOptions::new()
-        .rel_width(common.rel_width)
+        .rel_width(common.limits.rel_width)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer = job.done(tubecert::pairs(&job.spine, &options))?;
@@ -25,7 +28,7 @@ pub fn run(args: &PairsArgs) -> Said {
         job.certify(answer.certificate.as_ref(), Statement::Pairs(claimed(&answer)))?;
     }
     let code = if answer.complete && answer.narrow { DONE } else { UNDECIDED };
-    let text = if common.json { as_json(&job, &answer) } else { as_text(&job, &answer) };
+    let text = if common.json { as_json(job, &answer) } else { as_text(job, &answer) };
     Ok((text, code))
 }
 

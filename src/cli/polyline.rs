@@ -14,23 +14,26 @@ use super::text::unit;
 use super::{DONE, Failure, NO_CLAIM, Said, UNDECIDED, UNUSABLE};
 
 pub fn run(args: &PolylineArgs) -> Said {
+    answer(&Job::load(&args.common)?, args)
+}
+
+pub fn answer(job: &Job, args: &PolylineArgs) -> Said {
     let common = &args.common;
-    let job = Job::load(common)?;
     let options = PolylineOptions::new()
-        .rel_width(common.rel_width)
+        .rel_width(common.limits.rel_width)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer = job.done(tubecert::polyline(&job.spine, args.tolerance, &options))?;
     if !answer.is_certified() {
-        return Ok((if common.json { as_json(&job, &answer) } else { nothing(&job, &answer) }, UNDECIDED));
+        return Ok((if common.json { as_json(job, &answer) } else { nothing(job, &answer) }, UNDECIDED));
     }
     if let Some(claim) = common.certificate.as_ref().and_then(|_| answer.claim()) {
         job.certify(answer.certificate.as_ref(), Statement::Polyline(claim))?;
     }
     if let Some(path) = &args.output {
-        let text = written(path, &job, &answer).ok_or_else(|| unknown_format(path))?;
+        let text = written(path, job, &answer).ok_or_else(|| unknown_format(path))?;
         std::fs::write(path, text).map_err(|error| {
             let message = format!("the polyline cannot be written: {error}");
             let help = Some("nothing is claimed: give a file that can be written".to_string());
@@ -38,7 +41,7 @@ pub fn run(args: &PolylineArgs) -> Said {
             Box::new(Failure { file, help, ..Failure::new(ErrorKind::Io.word(), message, NO_CLAIM) })
         })?;
     }
-    Ok((if common.json { as_json(&job, &answer) } else { as_text(&job, &answer, args.tolerance) }, DONE))
+    Ok((if common.json { as_json(job, &answer) } else { as_text(job, &answer, args.tolerance) }, DONE))
 }
 
 /// The polyline as a file, by the ending of its name.

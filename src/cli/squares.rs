@@ -16,10 +16,10 @@ pub fn run(args: &SquaresArgs) -> Said {
     let common = &args.common;
     let job = Job::load(common)?;
     let options = SquaresOptions::new()
-        .rel_width(common.rel_width)
+        .rel_width(common.limits.rel_width)
         .limit(args.limit)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer = job.done(tubecert::squares(&job.spine, &options))?;

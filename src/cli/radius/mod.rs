@@ -11,13 +11,16 @@ use super::job::Job;
 use super::{DONE, Said, UNDECIDED};
 
 pub fn run(args: &RadiusArgs) -> Said {
+    answer(&Job::load(&args.common)?, args)
+}
+
+pub fn answer(job: &Job, args: &RadiusArgs) -> Said {
     let common = &args.common;
-    let job = Job::load(common)?;
     let options = RadiusOptions::new()
-        .rel_width(common.rel_width)
-        .all_terms(args.all_terms)
+        .rel_width(common.limits.rel_width)
+        .all_terms(args.terms.all_terms)
         .certificate(common.certificate.is_some())
-        .max_cells(common.max_cells)
+        .max_cells(common.limits.max_cells)
         .budget(job.budget())
         .progress(job.progress());
     let answer = printable(job.done(tubecert::radius(&job.spine, &options))?);
@@ -25,7 +28,7 @@ pub fn run(args: &RadiusArgs) -> Said {
     let (lo, hi) = (bound(lower_text(answer.delta.lo)), bound(upper_text(answer.delta.hi)));
     job.certify(answer.certificate.as_ref(), Statement::Radius { lo, hi })?;
     let code = if answer.complete { DONE } else { UNDECIDED };
-    let text = if common.json { json::radius(&job.spine, &answer) } else { text::radius(&job, &answer, args) };
+    let text = if common.json { json::radius(&job.spine, &answer) } else { text::radius(job, &answer, args) };
     Ok((text, code))
 }
 

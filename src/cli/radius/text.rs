@@ -30,7 +30,7 @@ pub fn radius(job: &Job, answer: &Radius, args: &RadiusArgs) -> String {
     if answer.closed {
         lines.push("the spine is closed: it has no end disks".to_string());
     }
-    if args.all_terms {
+    if args.terms.all_terms {
         terms(&mut lines, answer);
     }
     if !answer.complete {
