@@ -34,19 +34,9 @@ fn delta(spine: Spine) -> Job {
     Box::new(move || assert!(radius(&spine, &RadiusOptions::new()).expect("an answer").delta.is_within(1e-9)))
 }
 
-/// 200 cubics with control points in -20 .. 20, the same in every run: text to answer, as in a batch.
+/// 200 cubics, text to answer, as in a batch.
 fn cubics() -> Job {
-    let mut state = 2026_u64;
-    let mut coordinate = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as i64 % 41 - 20
-    };
-    let texts: Vec<String> = (0..200)
-        .map(|_| {
-            let points: [[i64; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| coordinate()));
-            format!(r#"{{"degree": 3, "control_points": {points:?}}}"#)
-        })
-        .collect();
+    let texts = shapes::random_cubics(200);
     Box::new(move || {
         for text in &texts {
             let spine = Spine::from_json_str(black_box(text)).expect("a spine");

@@ -20,19 +20,6 @@ fn text(curve: &Curve) -> String {
     answer.certificate.expect("a certificate").encode()
 }
 
-/// A trefoil as a periodic cubic spline, control points to nine decimals: coarser ones would bend sharply at many spans.
-fn knot(spans: usize) -> Curve {
-    let points: Vec<_> = (0..spans)
-        .map(|i| {
-            let angle = std::f64::consts::TAU * i as f64 / spans as f64;
-            let (a, b) = (2.0 * angle, 3.0 * angle);
-            let r = 2.0 + b.cos();
-            [r * a.cos(), r * a.sin(), b.sin()].map(|x| shapes::q((1e9 * x).round() as i64, 1_000_000_000))
-        })
-        .collect();
-    shapes::periodic(3, &points)
-}
-
 fn bench(c: &mut Criterion) {
     let mut group = c.benchmark_group("verify");
     for name in ["m98_5_3", "trefoil"] {
@@ -42,7 +29,7 @@ fn bench(c: &mut Criterion) {
     }
     group.sample_size(10);
     for spans in [16, 40, 100, 250, 1000] {
-        let curve = knot(spans);
+        let curve = shapes::knot(2, 3, spans, 1_000_000_000);
         let text = text(&curve);
         eprintln!("torus knot, {spans} spans: {} bytes, {} leaves and nodes", text.len(), text.lines().count());
         group.bench_with_input(BenchmarkId::new("torus_knot", spans), &text, |b, text| b.iter(|| replay(&curve, text)));

@@ -14,6 +14,9 @@ use serde_json::{Value, json};
 use tubecert::number::{Rational, compare, parse_rational, rational_from_f64};
 use tubecert::{Enclosure, Radius, RadiusOptions, Spine};
 
+#[path = "shapes/mod.rs"]
+mod shapes;
+
 fn tubecert(words: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tubecert"));
     command.args(words).current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
@@ -373,7 +376,8 @@ fn wrong_usage_is_an_error() {
         &["radius", curve, "--budget", "-1"],
         &["radius", curve, "--budget", "0"],
         &["radius", curve, "--budget", "inf"],
-        &["radius", curve, "--threads", "2"],
+        &["radius", curve, "--threads", "0"],
+        &["radius", curve, "--threads", "1025"],
         &["radius", curve, "--certificate"],
         &["radius", curve, curve],
         &["radius"],
@@ -604,6 +608,20 @@ fn completions_are_printed() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let script = run(&["completions", shell]);
         assert!(answer(&script, 0).contains("rel-width"), "{shell}");
+    }
+}
+
+/// Enough spans for the work to be shared.
+#[test]
+fn the_answer_does_not_depend_on_the_number_of_threads() {
+    let long = shapes::torus_knot(2, 3, 600).to_json();
+    for words in [&["radius"][..], &["curvature"], &["polyline", "--tolerance", "0.1"]] {
+        let on = |threads: &str| {
+            let words = [words, &["-", "--json", "--rel-width", "1e-6", "--threads", threads]].concat();
+            answer(&fed(&words, long.as_bytes()), 0).to_string()
+        };
+        let one = on("1");
+        assert!(["2", "3", "8"].iter().all(|threads| on(threads) == one), "{words:?}");
     }
 }
 

@@ -1,7 +1,5 @@
 //! What may be typed. A command or flag that does not work yet does not stand here.
 
-#[cfg(feature = "search")]
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -104,6 +102,9 @@ pub struct Limits {
     /// Stop after so many seconds with what is proved by then; answers then depend on the machine
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub budget: Option<Duration>,
+    /// Work on so many threads; all cores without it. The answer does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
 }
 
 #[cfg(feature = "search")]
@@ -190,9 +191,6 @@ pub struct BatchArgs {
     /// Of all lines only every N-th, from the I-th on; the shards 1/N .. N/N are all lines
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1")]
     pub shard: Shard,
-    /// Work on so many threads; all cores without it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
     #[command(flatten)]
     pub limits: Limits,
     #[command(flatten, next_help_heading = "Options of the task radius")]

@@ -4,11 +4,27 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use tubecert::{Certificate, Claim, Curve, Error, ErrorKind, Spine, Statement, Stop};
 
-use super::args::Common;
+use super::args::{Common, Limits};
 use super::verify::{Verdict, within};
-use super::{Failure, NO_CLAIM, read};
+use super::{Failure, NO_CLAIM, Said, read};
+
+/// That of a main thread on most systems: a curve is as deep on every thread.
+const STACK_BYTES: usize = 8 << 20;
+
+/// The threads that were asked for; all cores if none were.
+pub fn pool(limits: &Limits) -> Result<ThreadPool, Box<Failure>> {
+    let threads = limits.threads.map_or(0, usize::from);
+    let pool = ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK_BYTES).build();
+    pool.map_err(|error| Failure::option("--threads", &format!("the threads cannot be started: {error}")))
+}
+
+/// Runs a command; without --threads the library starts its own where a curve is long.
+pub fn on_threads(args: &Common, run: impl FnOnce() -> Said + Send) -> Said {
+    if args.limits.threads.is_none() { run() } else { pool(&args.limits)?.install(run) }
+}
 
 /// The work that one command was started for.
 pub struct Job<'a> {

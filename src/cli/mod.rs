@@ -72,19 +72,19 @@ pub fn main() -> ExitCode {
     };
     match args.command {
         #[cfg(feature = "search")]
-        Command::Radius(args) => say(radius::run(&args), args.common.json),
+        Command::Radius(args) => say(job::on_threads(&args.common, || radius::run(&args)), args.common.json),
         #[cfg(feature = "search")]
-        Command::Curvature(args) => say(curvature::run(&args), args.common.json),
+        Command::Curvature(args) => say(job::on_threads(&args.common, || curvature::run(&args)), args.common.json),
         #[cfg(feature = "search")]
-        Command::Pairs(args) => say(pairs::run(&args), args.common.json),
+        Command::Pairs(args) => say(job::on_threads(&args.common, || pairs::run(&args)), args.common.json),
         #[cfg(feature = "search")]
-        Command::Squares(args) => say(squares::run(&args), args.common.json),
+        Command::Squares(args) => say(job::on_threads(&args.common, || squares::run(&args)), args.common.json),
         #[cfg(feature = "search")]
-        Command::Polyline(args) => say(polyline::run(&args), args.common.json),
+        Command::Polyline(args) => say(job::on_threads(&args.common, || polyline::run(&args)), args.common.json),
         #[cfg(feature = "search")]
         Command::Batch(args) => batch::run(&args),
         #[cfg(feature = "search")]
-        Command::Check(args) => say(check::run(&args), args.common.json),
+        Command::Check(args) => say(job::on_threads(&args.common, || check::run(&args)), args.common.json),
         Command::Verify(args) => say(verify::run(&args), args.json),
         Command::Completions { shell } => {
             // into memory first: the generators panic where they cannot write
@@ -146,6 +146,13 @@ impl Failure {
     fn too_long(what: &str, file: &str) -> Box<Self> {
         let message = format!("the {what} has more than {MAX_BYTES} bytes, the limit MAX_BYTES");
         Self::in_file(file, ErrorKind::Limit, message, "cut the curve into several files")
+    }
+
+    /// What clap cannot say of an option.
+    #[cfg(feature = "search")]
+    fn option(key: &str, message: &str) -> Box<Self> {
+        let help = Some("see --help of the command".to_string());
+        Box::new(Self { key: Some(key.to_string()), help, ..Self::new("usage", message.to_string(), UNUSABLE) })
     }
 
     /// What clap says: a first paragraph, then advice.

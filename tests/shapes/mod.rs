@@ -234,15 +234,66 @@ pub fn periodic(degree: usize, points: &[Point]) -> Curve {
 
 /// A torus knot as a periodic cubic B-spline with this many spans, control points rounded to 1/1000.
 pub fn torus_knot(turns: i64, around: i64, spans: usize) -> Curve {
+    knot(turns, around, spans, 1000)
+}
+
+/// The same, control points rounded to 1/`unit`: coarse ones would bend sharply at many spans.
+pub fn knot(turns: i64, around: i64, spans: usize, unit: i64) -> Curve {
     let points: Vec<Point> = (0..spans)
         .map(|i| {
             let angle = std::f64::consts::TAU * i as f64 / spans as f64;
             let (a, b) = (angle * turns as f64, angle * around as f64);
             let r = 2.0 + b.cos();
-            [r * a.cos(), r * a.sin(), b.sin()].map(|x| q((1000.0 * x).round() as i64, 1000))
+            rounded([r * a.cos(), r * a.sin(), b.sin()], unit)
         })
         .collect();
     periodic(3, &points)
+}
+
+fn rounded(point: [f64; 3], unit: i64) -> Point {
+    point.map(|x| q((unit as f64 * x).round() as i64, unit))
+}
+
+/// A clamped uniform cubic B-spline with this many spans through nearly collinear points, to nine decimals.
+pub fn nearly_straight(spans: usize) -> Curve {
+    let mut random = Random(1);
+    let mut off = || (random.below(20_001) - 10_000) as f64 * 1e-6;
+    clamped((0..spans + 3).map(|i| rounded([i as f64, off(), off()], 1_000_000_000)).collect())
+}
+
+/// The same along a spiral of Archimedes, ten turns in a hundred spans, the next turn of the same width farther out.
+pub fn spiral(spans: usize) -> Curve {
+    let point = |i: usize| {
+        let (angle, r) = (0.1 * i as f64, 1.0 + 0.002 * i as f64);
+        rounded([r * angle.cos(), r * angle.sin(), 0.0], 1_000_000_000)
+    };
+    clamped((0..spans + 3).map(point).collect())
+}
+
+fn clamped(points: Vec<Point>) -> Curve {
+    let spans = points.len() as i64 - 3;
+    let knots = (-3..=spans + 3).map(|k| int(k.clamp(0, spans))).collect();
+    Curve::new(3, points, None, Some(knots)).expect("a clamped spline")
+}
+
+/// Curve files of cubics with control points in -20 .. 20, the same in every run.
+pub fn random_cubics(count: usize) -> Vec<String> {
+    let mut random = Random(2026);
+    let mut text = || {
+        let points: [[i64; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| random.below(41) - 20));
+        format!(r#"{{"degree": 3, "control_points": {points:?}}}"#)
+    };
+    (0..count).map(|_| text()).collect()
+}
+
+/// Knuth's linear congruential generator.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, most: i64) -> i64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as i64 % most
+    }
 }
 
 /// Symmetric about x = 0; the end disks face each other in one plane, 2 `gap` apart: delta is the gap.

@@ -11,20 +11,17 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use serde_json::Value;
 
 use super::args::{BatchArgs, Common, CurvatureArgs, PairsArgs, PolylineArgs, RadiusArgs, Task};
-use super::job::Job;
+use super::job::{Job, pool};
 use super::json::{self, Origin};
-use super::{DONE, Failure, NO_CLAIM, Said, UNDECIDED, UNUSABLE, curvature, fail, pairs, polyline, radius};
+use super::{DONE, Failure, NO_CLAIM, Said, UNDECIDED, curvature, fail, pairs, polyline, radius};
 use lines::{Line, Lines};
 
 /// Enough to keep a thread busy between two waits for the slowest, few enough that little is lost when a batch is killed.
-const LINES_PER_THREAD: usize = 64;
-/// That of a main thread on most systems: a curve is as deep here as for its own command.
-const STACK_BYTES: usize = 8 << 20;
+const LINES_PER_THREAD: usize = 256;
 
 pub fn run(args: &BatchArgs) -> ExitCode {
     match finished(args) {
@@ -39,10 +36,9 @@ pub fn run(args: &BatchArgs) -> ExitCode {
 
 /// Does the work; one line about it. A closed pipe ends it without a word.
 fn finished(args: &BatchArgs) -> Result<String, Box<Failure>> {
-    let BatchArgs { files, output, resume, shard, threads, .. } = args;
+    let BatchArgs { files, output, resume, shard, limits, .. } = args;
     let asked = Asked::new(args)?;
-    let pool = ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n.get())).stack_size(STACK_BYTES).build();
-    let pool = pool.map_err(|error| usage("--threads", &format!("the threads cannot be started: {error}")))?;
+    let pool = pool(limits)?;
     let mut lines = Lines::new(files, *shard)?;
     let (mut to, kept): (Box<dyn Write>, u64) = match output {
         None => (Box::new(io::stdout()), 0),
@@ -71,11 +67,6 @@ fn finished(args: &BatchArgs) -> Result<String, Box<Failure>> {
     }
 }
 
-fn usage(key: &str, message: &str) -> Box<Failure> {
-    let help = Some("see tubecert batch --help".to_string());
-    Box::new(Failure { key: Some(key.to_string()), help, ..Failure::new("usage", message.to_string(), UNUSABLE) })
-}
-
 /// A line of output, and the exit code that its command would have.
 struct Record {
     text: String,
@@ -94,10 +85,10 @@ impl Asked {
     fn new(args: &BatchArgs) -> Result<Self, Box<Failure>> {
         let (terms, tolerance) = (args.terms.clone(), args.tolerance);
         if terms.all_terms && args.task != Task::Radius {
-            return Err(usage("--all-terms", "--all-terms is an option of the task radius alone"));
+            return Err(Failure::option("--all-terms", "--all-terms is an option of the task radius alone"));
         }
         if tolerance.is_some() && args.task != Task::Polyline {
-            return Err(usage("--tolerance", "--tolerance is an option of the task polyline alone"));
+            return Err(Failure::option("--tolerance", "--tolerance is an option of the task polyline alone"));
         }
         let common = Common { curve: PathBuf::new(), json: true, certificate: None, limits: args.limits.clone() };
         Ok(match args.task {
@@ -106,7 +97,7 @@ impl Asked {
             Task::Pairs => Self::Pairs(PairsArgs { common }),
             Task::Polyline => {
                 let tolerance =
-                    tolerance.ok_or_else(|| usage("--tolerance", "the task polyline needs --tolerance T"))?;
+                    tolerance.ok_or_else(|| Failure::option("--tolerance", "the task polyline needs --tolerance T"))?;
                 Self::Polyline(PolylineArgs { common, tolerance, output: None })
             }
         })
