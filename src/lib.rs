@@ -1,4 +1,6 @@
 //! Proofs about tubes around rational space curves.
+//!
+//! On a spine of many spans the threads of the current rayon pool share the work; answers do not depend on their number.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

@@ -9,6 +9,10 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+#[path = "shapes/mod.rs"]
+mod shapes;
+use shapes::Random;
+
 fn tubecert(words: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tubecert"));
     command.args(words).current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
@@ -70,20 +74,10 @@ impl Drop for Folder {
     }
 }
 
-/// Numbers that look random, the same on every run.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, most: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) % most
-    }
-}
-
 /// Lines of random cubics, each with its number as id.
 fn cubics(count: usize, seed: u64) -> Vec<String> {
-    let mut dice = Dice(seed);
-    let mut point = || [(); 3].map(|()| dice.below(2001) as i64 - 1000);
+    let mut dice = Random(seed);
+    let mut point = || [(); 3].map(|()| dice.below(2001) - 1000);
     let line = |k| format!(r#"{{"id": {k}, "degree": 3, "control_points": {:?}}}"#, [(); 4].map(|()| point()));
     (0..count).map(line).collect()
 }
@@ -212,10 +206,10 @@ fn killed_and_resumed_is_never_interrupted() {
     let (input, output) = (folder.file("in", cubics(3000, 3).join("\n")), folder.at("out"));
     let whole = records(&["--task", "radius", &input], b"");
     let words = ["batch", "--task", "radius", &input, "-o", &output, "--resume", "--threads", "2"];
-    let (mut dice, mut kills, mut rounds) = (Dice(4), 0, 0);
+    let (mut dice, mut kills, mut rounds) = (Random(4), 0, 0);
     while kills < 20 {
         let mut child = tubecert(&words).stderr(Stdio::null()).spawn().unwrap();
-        std::thread::sleep(Duration::from_micros(dice.below(60_000)));
+        std::thread::sleep(Duration::from_micros(dice.below(60_000) as u64));
         if child.try_wait().unwrap().is_some() {
             assert!(fs::read_to_string(&output).unwrap() == whole);
             fs::remove_file(&output).unwrap();

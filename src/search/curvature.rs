@@ -55,11 +55,11 @@ impl<const N: usize> Strip<N> {
         let n = self.c.len() - 1;
         let (mut left, mut row) = (self.c.clone(), self.c.clone());
         let rest = 1.0 - t;
-        for level in 1..=n {
+        for (level, first) in left.iter_mut().enumerate().skip(1) {
             for i in 0..=n - level {
                 row[i] = std::array::from_fn(|k| rest * row[i][k] + t * row[i + 1][k]);
             }
-            left[level] = row[0];
+            *first = row[0];
         }
         // halving rounds sums alone
         let roundings = (n + 1) as f64 * if t == 0.5 { 1.0 } else { 16.0 };

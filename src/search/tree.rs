@@ -357,11 +357,11 @@ pub(crate) const SINE_SLACK: f64 = 6.0e-8;
 /// Both halves by de Casteljau, `middle` that of two coefficients; the row ends as the second half.
 fn split<T: Copy>(c: &[T], middle: impl Fn(T, T) -> T) -> (Vec<T>, Vec<T>) {
     let (mut left, mut row) = (c.to_vec(), c.to_vec());
-    for level in 1..c.len() {
+    for (level, first) in left.iter_mut().enumerate().skip(1) {
         for i in 0..c.len() - level {
             row[i] = middle(row[i], row[i + 1]);
         }
-        left[level] = row[0];
+        *first = row[0];
     }
     (left, row)
 }

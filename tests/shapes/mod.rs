@@ -286,11 +286,11 @@ pub fn random_cubics(count: usize) -> Vec<String> {
     (0..count).map(|_| text()).collect()
 }
 
-/// Knuth's linear congruential generator.
-struct Random(u64);
+/// Numbers that look random, the same in every run: Knuth's linear congruential generator.
+pub struct Random(pub u64);
 
 impl Random {
-    fn below(&mut self, most: i64) -> i64 {
+    pub fn below(&mut self, most: i64) -> i64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as i64 % most
     }
