@@ -1,22 +1,15 @@
 //! Certificates as data. Nothing is proved here; see `check`. The spelling is in `text`, outside the trust line: whatever
 //! is read, from whatever text, is only evidence.
 #![deny(clippy::float_arithmetic, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+#![allow(clippy::large_enum_variant, reason = "there is one in a certificate")]
 
-mod curvature;
-mod pairs;
-mod polyline;
-mod squares;
+pub(crate) mod curvature;
+pub(crate) mod pairs;
+pub(crate) mod polyline;
+pub(crate) mod squares;
 mod text;
 
 use crate::number::Rational;
-pub(crate) use curvature::Course;
-pub(crate) use pairs::Evidence as PairsEvidence;
-#[allow(unused_imports, reason = "for those who write certificates, if they are built")]
-pub(crate) use pairs::Isolated;
-pub(crate) use polyline::Evidence as PolylineEvidence;
-pub(crate) use squares::{
-    Disk as SquaresDisk, Evidence as SquaresEvidence, Factor as SquaresFactor, Segment as SquaresSegment,
-};
 pub use text::{MAX_CERTIFICATE_BYTES, MAX_CERTIFICATE_DIGITS};
 
 /// Evidence for a claim about one curve; the format is docs/certificate-format.md.
@@ -29,11 +22,10 @@ pub struct Certificate {
 
 /// One kind for each kind of claim.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(clippy::large_enum_variant, reason = "there is one in a certificate")]
 pub(crate) enum Evidence {
     Radius(Tube),
     Pairs(pairs::Evidence),
-    Curvature(Course),
+    Curvature(curvature::Course),
     Squares(squares::Evidence),
     Polyline(polyline::Evidence),
 }
@@ -76,7 +68,6 @@ pub(crate) type EndTree = ([i64; 3], Vec<Node>);
 
 /// The witness of hi.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(clippy::large_enum_variant, reason = "there is one in a certificate")]
 pub(crate) enum Upper {
     None,
     Curvature { span: usize, t: Rational },

@@ -1,6 +1,6 @@
 //! All stationary pairs: options in, boxes out (theory.md, section 4).
 
-use crate::certificate::{Certificate, Evidence, Isolated, PairsEvidence};
+use crate::certificate::{Certificate, Evidence, pairs::Evidence as Proof, pairs::Isolated};
 use crate::claim;
 use crate::enclosure::Interval;
 use crate::error::Error;
@@ -221,6 +221,6 @@ fn certificate(
     };
     let isolated = order.iter().map(isolated).collect();
     let (along, tree) = (evidence::along(frame, 0.0)?, found.tree(&numbers));
-    let evidence = Evidence::Pairs(PairsEvidence { along, isolated, tree, claim });
+    let evidence = Evidence::Pairs(Proof { along, isolated, tree, claim });
     Some(Certificate { digest: spine.curve().digest(), evidence })
 }

@@ -1,6 +1,6 @@
 //! Topologically reliable polylines (theory.md, section 7): options in, vertices and their proof out.
 
-use crate::certificate::{Certificate, Evidence, PolylineEvidence};
+use crate::certificate::{Certificate, Evidence, polyline::Evidence as Proof};
 use crate::claim;
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, f64_above, f64_below, nearest_text, parse_rational, rational_from_f64, upper_text};
@@ -184,6 +184,6 @@ pub(crate) fn proof(
     let ends = found.ends.map(|ends| ends.map(rational));
     // half way between the two
     let tube = tube(frame, if delta.is_finite() { distance.midpoint(delta) } else { f64::INFINITY })?;
-    let evidence = Evidence::Polyline(PolylineEvidence { claim, ends, stubs: found.stubs.clone(), edges, tube });
+    let evidence = Evidence::Polyline(Proof { claim, ends, stubs: found.stubs.clone(), edges, tube });
     Some(Certificate { digest: spine.curve().digest(), evidence })
 }

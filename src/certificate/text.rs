@@ -6,9 +6,7 @@ use std::fmt::{self, Display, Write};
 use num_bigint::BigInt;
 use num_traits::{One, Zero};
 
-use super::{
-    Certificate, Course, EndTree, Evidence, Foot, Node, PairsEvidence, PolylineEvidence, SquaresEvidence, Tube, Upper,
-};
+use super::{Certificate, EndTree, Evidence, Foot, Node, Tube, Upper, curvature, pairs, polyline, squares};
 use crate::error::{Error, ErrorKind};
 use crate::number::{Rational, excerpt, over_limit, to_fraction_text};
 
@@ -195,10 +193,10 @@ impl<'a> Lines<'a> {
         }
         let evidence = match kind {
             "radius" => Evidence::Radius(self.tube()?),
-            "pairs" => Evidence::Pairs(PairsEvidence::decode(self)?),
-            "curvature" => Evidence::Curvature(Course::read(self)?),
-            "squares" => Evidence::Squares(SquaresEvidence::decode(self)?),
-            "polyline" => Evidence::Polyline(PolylineEvidence::decode(self)?),
+            "pairs" => Evidence::Pairs(pairs::Evidence::decode(self)?),
+            "curvature" => Evidence::Curvature(curvature::Course::read(self)?),
+            "squares" => Evidence::Squares(squares::Evidence::decode(self)?),
+            "polyline" => Evidence::Polyline(polyline::Evidence::decode(self)?),
             _ => return Err(undecodable(1, format_args!("this version knows no certificates of {}", excerpt(kind)))),
         };
         self.after("end")?;

@@ -137,14 +137,6 @@ impl Spine {
         Self { spans, closed: false, kept: RefCell::default() }
     }
 
-    /// The ends of the spans.
-    pub(super) fn knots(curve: &Curve) -> Vec<Rational> {
-        let mut knots: Vec<_> =
-            curve.knots().iter().take(curve.control_points().len() + 1).skip(curve.degree()).cloned().collect();
-        knots.dedup_by(|a, b| same(a, b));
-        knots
-    }
-
     pub(super) fn halves(&self, arc: &Arc) -> Result<[Arc; 2], Why> {
         let [piece] = &**arc else {
             let (first, second) = arc.split_at(arc.len() / 2);

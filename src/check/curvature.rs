@@ -11,7 +11,7 @@ use super::poly::{Poly, dot};
 use super::range::Range;
 use super::rules::{Why, check, positive};
 use super::{Rejection, wanted};
-use crate::certificate::Course;
+use crate::certificate::curvature::Course;
 use crate::claim::{Bounds, Critical, CriticalKind, CriticalPoints};
 use crate::curve::Curve;
 use crate::number::{Rational, compare};

@@ -14,7 +14,7 @@ use super::range::Range;
 use super::rules::{Why, check, side};
 use super::upper::place;
 use super::{Rejection, walk, wanted};
-use crate::certificate::{Node, PairsEvidence};
+use crate::certificate::{Node, pairs::Evidence};
 use crate::claim::{PairBox, Pairs};
 use crate::curve::Curve;
 use crate::number::{Rational, compare};
@@ -22,7 +22,7 @@ use crate::number::{Rational, compare};
 type Square = [Range; 2];
 
 /// Whether the evidence proves what is claimed.
-pub(super) fn verify(spine: &Spine, curve: &Curve, claim: &Pairs, evidence: &PairsEvidence) -> Result<(), Rejection> {
+pub(super) fn verify(spine: &Spine, curve: &Curve, claim: &Pairs, evidence: &Evidence) -> Result<(), Rejection> {
     let wrong = |number, why| Rejection::of("claim", why).at(number, &"pair");
     let of_box = |c: &'_ PairBox| {
         c.s.iter().chain(&c.t).chain([&c.distance.0]).chain(&c.distance.1).all(|x| x.denom().is_positive())

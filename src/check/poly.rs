@@ -55,6 +55,14 @@ impl Poly {
         Self(coefficients.into_iter().zip(binomials.0).map(|(c, binomial)| c * binomial).collect())
     }
 
+    /// Its Bernstein coefficients, all times one number > 0.
+    pub(super) fn control(&self) -> Vec<BigInt> {
+        let mut binomials = Self::constant(1);
+        binomials.raise(self.0.len());
+        let common = binomials.0.iter().fold(BigInt::one(), |common, c| num_integer::lcm(common, c.clone()));
+        self.0.iter().zip(&binomials.0).map(|(c, binomial)| c * (&common / binomial)).collect()
+    }
+
     pub(super) fn constant(c: impl Into<BigInt>) -> Self {
         Self(vec![c.into()])
     }
@@ -111,6 +119,17 @@ impl Poly {
         let step = |(value, power), c| (value * t.numer() + c * &power, power * &rest);
         Self::constant(self.0.iter().rev().fold((BigInt::zero(), BigInt::one()), step).0)
     }
+}
+
+/// Bernstein coefficients on both halves, all times one number > 0: de Casteljau's algorithm with sums for means.
+pub(super) fn halves(mut row: Vec<BigInt>) -> [Vec<BigInt>; 2] {
+    let (mut first, mut second) = (vec![], vec![]);
+    while let ([start, ..], [.., end]) = (&*row, &*row) {
+        first.push(start << (row.len() - 1));
+        second.insert(0, end << (row.len() - 1));
+        row = row.iter().zip(row.iter().skip(1)).map(|(c, next)| c + next).collect();
+    }
+    [first, second]
 }
 
 impl Poly<Poly> {

@@ -12,15 +12,15 @@ use super::range::Range;
 use super::rules::{Why, check};
 use super::upper::place;
 use super::{Rejection, radius, wanted};
-use crate::certificate::PolylineEvidence;
+use crate::certificate::polyline::Evidence;
 use crate::claim::Polyline;
 use crate::number::{Rational, compare};
 
 type Vector = [BigInt; 3];
 
 /// Whether the evidence proves the claim.
-pub(super) fn verify(spine: &Spine, claim: &Polyline, found: &PolylineEvidence) -> Result<(), Rejection> {
-    let (Polyline { vertices, closed, distance }, PolylineEvidence { ends, stubs, edges, tube, .. }) = (claim, found);
+pub(super) fn verify(spine: &Spine, claim: &Polyline, found: &Evidence) -> Result<(), Rejection> {
+    let (Polyline { vertices, closed, distance }, Evidence { ends, stubs, edges, tube, .. }) = (claim, found);
     let mut numbers = vertices.iter().flatten().chain([distance]);
     wanted(numbers.all(|x| x.denom().is_positive()), "vertex", "a number has no positive denominator")?;
     wanted(!distance.is_negative(), "distance", "it is negative")?;

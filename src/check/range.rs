@@ -4,7 +4,9 @@ use std::ops::{Add, Mul, Sub};
 
 use num_traits::{Signed, Zero};
 
-use crate::number::{Rational, compare};
+use super::arc::Spine;
+use crate::curve::Curve;
+use crate::number::{Rational, compare, same};
 
 /// The bits of what a certificate puts into polynomials, where its powers stand.
 const MAX_BITS: u64 = 1024;
@@ -78,5 +80,15 @@ impl Mul for &Range {
         let ([a, b], [c, d]) = ([&self.lo, &self.hi], [&other.lo, &other.hi]);
         let [first, others @ ..] = [a * c, a * d, b * c, b * d].map(|x| Range::point(&x));
         others.into_iter().fold(first, Range::with)
+    }
+}
+
+impl Spine {
+    /// The ends of the spans.
+    pub(super) fn knots(curve: &Curve) -> Vec<Rational> {
+        let mut knots: Vec<_> =
+            curve.knots().iter().take(curve.control_points().len() + 1).skip(curve.degree()).cloned().collect();
+        knots.dedup_by(|a, b| same(a, b));
+        knots
     }
 }

@@ -13,7 +13,7 @@ use crate::number::{Rational, compare};
 /// Why a condition is not true.
 pub(super) type Why = &'static str;
 
-const WEIGHTS: Why = "a control weight is not positive";
+pub(super) const WEIGHTS: Why = "a control weight is not positive";
 /// The unit of `bent` and `share`.
 const UNIT: u32 = 32;
 
@@ -32,9 +32,9 @@ pub(super) fn curvature(piece: &Piece, r: &Rational) -> Poly {
     aa.times(&aa).times(&aa).scaled(r.denom()).minus(bw.scaled(r.numer()))
 }
 
-pub(super) fn curved(piece: &Piece, r: &Rational) -> Result<Poly, Why> {
-    check(piece.w.is_positive(), WEIGHTS)?;
-    Ok(if r.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) })
+/// What is to be positive for `curved`: the weight, and |a|^2 for r = 0.
+pub(super) fn curved(piece: &Piece, r: &Rational) -> [Poly; 2] {
+    [piece.w.clone(), if r.is_zero() { dot(piece.a(), piece.a()) } else { curvature(piece, r) }]
 }
 
 fn square(g: &[i64; 3]) -> BigInt {

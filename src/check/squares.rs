@@ -10,7 +10,7 @@ use super::arc::{Piece, Spine};
 use super::poly::{Poly, dot};
 use super::rules::{Why, check};
 use super::{Rejection, wanted};
-use crate::certificate::{SquaresDisk, SquaresFactor, SquaresSegment};
+use crate::certificate::squares::{Disk as Given, Factor, Segment};
 use crate::claim::{RootBox, Squares, TwoSquares};
 use crate::curve::Curve;
 use crate::number::Rational;
@@ -19,7 +19,7 @@ use crate::number::Rational;
 const MAX_BITS: u32 = 1 << 14;
 
 /// Whether the evidence proves the claim, segment by segment.
-pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &[Squares], of: &[SquaresSegment]) -> Result<(), Rejection> {
+pub(super) fn verify(curve: &Curve, spine: &Spine, claim: &[Squares], of: &[Segment]) -> Result<(), Rejection> {
     let (spans, knots) = (spine.spans.len(), Spine::knots(curve));
     wanted(claim.len() == spans && of.len() == spans, "segment", "there must be one for each span")?;
     for (number, (span, (claimed, found))) in spine.spans.iter().zip(claim.iter().zip(of)).enumerate() {
@@ -46,7 +46,7 @@ struct Root {
     disk: Disk,
 }
 
-fn segment(span: &Piece, claim: &Squares, found: &SquaresSegment) -> Result<(), Why> {
+fn segment(span: &Piece, claim: &Squares, found: &Segment) -> Result<(), Why> {
     let rationals = |root: &RootBox| root.re.iter().chain(&root.im).all(|x| x.denom().is_positive());
     let bounds = |two: &TwoSquares| two.alpha.iter().chain(&two.beta).flatten().all(|x| x.denom().is_positive());
     let positive = claim.roots.iter().all(rationals) && claim.decompositions.iter().all(bounds);
@@ -61,7 +61,7 @@ fn segment(span: &Piece, claim: &Squares, found: &SquaresSegment) -> Result<(), 
     for disk in &found.disks {
         let factor = found.factors.get(disk.factor).ok_or("there is no such factor")?;
         holds_a_root(factor, disk, found.bits)?;
-        let SquaresDisk { factor: number, re, im, radius } = disk;
+        let Given { factor: number, re, im, radius } = disk;
         let mut push = |im: BigInt| {
             let disk = Disk { re: re.clone(), im, radius: radius.clone() };
             roots.push(Root { multiplicity: factor.multiplicity, factor: *number, disk });
@@ -131,7 +131,7 @@ fn powers(p: &Poly) -> Vec<BigInt> {
 }
 
 /// The product of the factors as often as they count, if it has that many coefficients.
-fn product(factors: &[SquaresFactor], length: usize) -> Option<Vec<BigInt>> {
+fn product(factors: &[Factor], length: usize) -> Option<Vec<BigInt>> {
     let mut degree = 1_usize;
     for factor in factors {
         let each = factor.coefficients.len().checked_sub(1).filter(|degree| *degree > 0)?;
@@ -152,7 +152,7 @@ fn proportional(p: &[BigInt], q: &[BigInt]) -> bool {
 }
 
 /// n |p(z) / p'(z)| <= radius, and the centre is not below the axis.
-fn holds_a_root(factor: &SquaresFactor, disk: &SquaresDisk, bits: u32) -> Result<(), Why> {
+fn holds_a_root(factor: &Factor, disk: &Given, bits: u32) -> Result<(), Why> {
     let degree = BigInt::from(factor.coefficients.len() - 1);
     let slope = factor.coefficients.iter().enumerate().skip(1).map(|(k, c)| c * k).collect::<Vec<_>>();
     // |p(z)|^2 times 2^(2 bits degree)

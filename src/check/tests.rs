@@ -71,7 +71,7 @@ impl Maker {
     }
 
     fn along(&mut self, arc: &Arc) {
-        let fine = arc.len() == 1 && rules::curved(&arc[0], &self.r).is_ok_and(|form| form.is_positive());
+        let fine = arc.len() == 1 && rules::curved(&arc[0], &self.r).iter().all(Poly::is_positive);
         if !self.tries([(Node::Curved, fine)]) {
             self.nodes.push(Node::Split);
             for half in self.spine.halves(arc).unwrap() {
@@ -512,7 +512,7 @@ fn leaf_times() {
         time("bent", &mut || rules::bent(a, b, MIDDLE, &r).unwrap().is_positive());
         time("side", &mut || rules::side(a, b, [1, 0]).is_ok());
         time("share", &mut || rules::share(&e, b, 1 << 31, &r).unwrap().is_positive());
-        time("curved", &mut || rules::curved(a, &r).unwrap().is_positive());
+        time("curved", &mut || rules::curved(a, &r).iter().all(Poly::is_positive));
         time("cone", &mut || rules::cone(std::slice::from_ref(a), &[1, 2, 3]).is_ok());
         time("slab", &mut || rules::slab(std::slice::from_ref(a), std::slice::from_ref(b), &[1, 2, 3], &r).is_ok());
         time("halving, then bent", &mut || {

@@ -3,8 +3,9 @@
 use num_traits::{One, Zero};
 
 use super::Rejection;
-use super::arc::{Arc, Piece, Spine};
-use super::rules::{Why, check, cone, curved, positive, share, slab};
+use super::arc::{Arc, DEPTH, Piece, Spine};
+use super::poly::{Poly, halves};
+use super::rules::{WEIGHTS, Why, check, cone, curved, positive, share, slab};
 use crate::certificate::{EndTree, Node};
 use crate::number::Rational;
 
@@ -31,11 +32,22 @@ fn tree<T>(
     if open.is_empty() { Ok(()) } else { Err(Rejection::of(section, "the tree stops short")) }
 }
 
+/// The forms of a span are made once, and their Bernstein coefficients halved with it.
 pub(super) fn along(spine: &Spine, r: &Rational, nodes: &[Node]) -> Result<(), Rejection> {
-    tree("along", nodes, spine.spans.clone(), |node, arc| match node {
-        Node::Split => spine.halves(&arc).map(Vec::from),
-        Node::Curved => positive(&curved(one(&arc)?, r)?).map(|()| vec![]),
-        _ => Err(MISPLACED),
+    tree("along", nodes, (spine.spans.clone(), 0, None), |node, (arc, depth, forms)| {
+        if arc.len() > 1 && *node == Node::Split {
+            return Ok(spine.halves(&arc)?.map(|arc| (arc, 0, None)).into());
+        }
+        let [w, form] = if let Some(forms) = forms { forms } else { curved(one(&arc)?, r).map(|form| form.control()) };
+        match node {
+            Node::Split => {
+                check(depth < DEPTH, "a part deeper than 512 halvings")?;
+                let ([w, after], [form, next]) = (halves(w), halves(form));
+                Ok([[w, form], [after, next]].map(|forms| (arc.clone(), depth + 1, Some(forms))).into())
+            }
+            Node::Curved => check(Poly(w).is_positive(), WEIGHTS).and_then(|()| positive(&Poly(form))).map(|()| vec![]),
+            _ => Err(MISPLACED),
+        }
     })
 }
 

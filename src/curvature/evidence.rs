@@ -2,7 +2,7 @@
 
 use super::{Arc, Curvature, Inner};
 use crate::bernstein::{Form, dot};
-use crate::certificate::{Certificate, Course, Evidence};
+use crate::certificate::{Certificate, Evidence, curvature::Course};
 use crate::claim::{Bounds, Critical, CriticalPoints, Stretch};
 use crate::integer::Int;
 use crate::number::{lower_text, parse_rational, upper_text};

@@ -4,7 +4,8 @@ use num_bigint::BigInt;
 use num_traits::Signed;
 
 use super::{Found, Squares, sharpen};
-use crate::certificate::{Certificate, Evidence, SquaresDisk, SquaresEvidence, SquaresFactor, SquaresSegment};
+use crate::certificate::squares::{self, Disk, Factor, Segment};
+use crate::certificate::{Certificate, Evidence};
 use crate::check::verify;
 use crate::claim::{self, Claim, Statement};
 use crate::number::{lower_text, parse_rational, upper_text};
@@ -24,7 +25,7 @@ pub(super) fn certificate(spine: &Spine, answer: &Squares, found: &[Found], mete
         let bits = BITS << doublings;
         let segments =
             found.iter().zip(&claims).map(|(found, claim)| segment(found, claim, bits)).collect::<Option<_>>()?;
-        let evidence = Evidence::Squares(SquaresEvidence { segments });
+        let evidence = Evidence::Squares(squares::Evidence { segments });
         let certificate = Certificate { digest: spine.curve().digest(), evidence };
         verify(&claim, &certificate).is_ok().then_some(certificate)
     })
@@ -48,21 +49,21 @@ fn claimed(segment: &super::SegmentSquares) -> Option<claim::Squares> {
     })
 }
 
-fn segment(found: &Found, claim: &claim::Squares, bits: u32) -> Option<SquaresSegment> {
+fn segment(found: &Found, claim: &claim::Squares, bits: u32) -> Option<Segment> {
     let mut roots = found.roots.clone();
     sharpen(&mut roots, u64::from(bits));
-    let mut factors: Vec<SquaresFactor> = vec![];
+    let mut factors: Vec<Factor> = vec![];
     let mut disks = vec![];
     for root in roots.iter().filter(|root| !root.im().is_negative()) {
         let coefficients: Vec<BigInt> = root.factor().iter().map(|c| c.big()).collect();
         let known = factors.iter().position(|factor| factor.coefficients == coefficients);
         let factor = known.unwrap_or(factors.len());
         if known.is_none() {
-            factors.push(SquaresFactor { multiplicity: root.multiplicity(), coefficients });
+            factors.push(Factor { multiplicity: root.multiplicity(), coefficients });
         }
         let [re, im, radius] = root.cut(u64::from(bits))?;
-        disks.push(SquaresDisk { factor, re, im, radius });
+        disks.push(Disk { factor, re, im, radius });
     }
     let choices = found.list.iter().map(|(choice, ..)| choice.clone()).collect();
-    Some(SquaresSegment { bits, factors, disks, choices, claim: claim.clone() })
+    Some(Segment { bits, factors, disks, choices, claim: claim.clone() })
 }
