@@ -215,6 +215,9 @@ impl Strips {
         for _ in 0..12 {
             let middle = lo + (hi - lo) * below / (below - above);
             let here = slope(middle);
+            if !here.is_finite() {
+                return t;
+            }
             if here == 0.0 || !(lo < middle && middle < hi) {
                 return middle.clamp(lo, hi);
             }

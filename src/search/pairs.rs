@@ -306,10 +306,12 @@ impl Search<'_, '_> {
         })
     }
 
-    /// Is a place, in positions, in a box in which a pair is alone? Numerically.
+    /// Is a place, in positions, in a box in which a pair is alone?
     fn claimed(&self, place: [f64; 2]) -> bool {
-        let inside = |root: &Root| (0..2).all(|k| root.about[k][0] <= place[k] && place[k] <= root.about[k][1]);
-        self.found.roots.iter().any(inside)
+        let near = |root: &Root, k: usize| root.about[k][0] <= place[k] && place[k] <= root.about[k][1];
+        let at = place.map(Dyadic::from_f64);
+        let inside = |[from, to]: &[Dyadic; 2], at: &Dyadic| from.cmp(at).is_le() && at.cmp(to).is_le();
+        self.found.roots.iter().any(|root| (0..2).all(|k| near(root, k) && inside(&root.outer[k], &at[k])))
     }
 
     /// Is a place, in positions, that of a pair that is known? Numerically.

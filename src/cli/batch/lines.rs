@@ -12,7 +12,7 @@ use crate::cli::Failure;
 use crate::cli::args::Shard;
 
 /// A chunk has so many bytes and its last line, which may be as long as a curve file.
-const CHUNK_BYTES: usize = 8 << 20;
+pub const CHUNK_BYTES: usize = 8 << 20;
 
 /// A line that is not blank.
 pub struct Line {

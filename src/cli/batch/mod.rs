@@ -4,7 +4,7 @@ mod id;
 mod lines;
 mod output;
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ use super::args::{BatchArgs, Common, CurvatureArgs, PairsArgs, PolylineArgs, Rad
 use super::job::{Job, pool};
 use super::json::{self, Origin};
 use super::{DONE, Failure, NO_CLAIM, Said, UNDECIDED, curvature, fail, pairs, polyline, radius};
-use lines::{Line, Lines};
+use lines::{CHUNK_BYTES, Line, Lines};
 
 /// Enough to keep a thread busy between two waits for the slowest, few enough that little is lost when a batch is killed.
 const LINES_PER_THREAD: usize = 256;
@@ -41,23 +41,29 @@ fn finished(args: &BatchArgs) -> Result<String, Box<Failure>> {
     let pool = pool(limits)?;
     let mut lines = Lines::new(files, *shard)?;
     let (mut to, kept): (Box<dyn Write>, u64) = match output {
-        None => (Box::new(io::stdout()), 0),
+        None => (Box::new(BufWriter::new(io::stdout())), 0),
         Some(path) if *resume => {
             let (file, kept) = output::go_on(path, &mut lines, |line, record| asked.is_answered_by(line, record))?;
-            (Box::new(file), kept)
+            (Box::new(BufWriter::new(file)), kept)
         }
-        Some(path) => (Box::new(output::begin(path)?), 0),
+        Some(path) => (Box::new(BufWriter::new(output::begin(path)?)), 0),
     };
     let mut tally = Tally::new(kept, &lines);
+    let threads = pool.current_num_threads();
+    let mut most = threads;
     loop {
-        let chunk = lines.chunk(LINES_PER_THREAD * pool.current_num_threads())?;
+        let chunk = lines.chunk(most)?;
         if chunk.is_empty() {
             return Ok(tally.summary());
         }
         let records: Vec<Record> =
             pool.install(|| chunk.into_par_iter().with_max_len(1).map(|line| asked.record(line)).collect());
-        let text: String = records.iter().map(|record| record.text.as_str()).collect();
-        match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
+        let bytes: usize = records.iter().map(|record| record.text.len()).sum();
+        // of long records, as far as these tell, so many at once as a chunk has bytes
+        most =
+            (2 * most).min(LINES_PER_THREAD * threads).min((CHUNK_BYTES * records.len() / bytes.max(1)).max(threads));
+        let mut each = records.iter();
+        match each.try_for_each(|record| to.write_all(record.text.as_bytes())).and_then(|()| to.flush()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(String::new()),
             written => written.map_err(|error| {
                 output::unwritable(output.as_deref().unwrap_or(Path::new("standard output")), &error)
