@@ -101,6 +101,8 @@ pub(crate) enum Course {
     Varying {
         ends: [End; 2],
         zeros: Vec<Zero>,
+        /// Was N formed in integers?
+        exactly: bool,
     },
 }
 
@@ -116,7 +118,7 @@ pub(crate) fn course(bend: &Bend, width: f64, meter: &mut Meter) -> Course {
         let mut search = Search { exact: None, width, meter, zeros: vec![], unclear: false };
         if search.isolate(near, &whole, 0).is_ok() {
             let ends = [first, last].map(|sign| End { sign, multiplicity: 0 });
-            return Course::Varying { ends, zeros: search.zeros };
+            return Course::Varying { ends, zeros: search.zeros, exactly: false };
         }
     }
     let mut exact = bend.critical();
@@ -141,7 +143,7 @@ pub(crate) fn course(bend: &Bend, width: f64, meter: &mut Meter) -> Course {
     if unclear && meter.stopped.is_none() && exact.ds <= MAX_FACTORED {
         zeros = factored(&exact, width);
     }
-    Course::Varying { ends, zeros }
+    Course::Varying { ends, zeros, exactly: true }
 }
 
 /// The zeros by square-free factors.
