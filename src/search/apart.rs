@@ -69,9 +69,9 @@ pub(super) fn direction(
 }
 
 /// The same for two cells.
-pub(super) fn hulls_apart_along(frame: &Frame, x: &Cell, y: &Cell, e: f64, u: &V3, r: f64) -> Option<[i64; 3]> {
-    let points = |c: &Cell| exact_points(&c.exact(frame));
-    direction(u, &x.p, &y.p, e, r, || (points(x), points(y)))
+pub(super) fn hulls_apart_along(frame: &Frame, x: Cell, y: Cell, e: f64, u: &V3, r: f64) -> Option<[i64; 3]> {
+    let points = |c: Cell| exact_points(&c.exact(frame));
+    direction(u, x.p, y.p, e, r, || (points(x), points(y)))
 }
 
 pub(super) fn exact_points(arc: &Bezier) -> Vec<[Int; 4]> {

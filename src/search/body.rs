@@ -116,7 +116,7 @@ impl Search<'_, '_> {
         }
         let narrow = a.cone.cos.min(b.cone.cos) > 0.9;
         let (split_first, rad) = (self.tree.first_is_split(i, j), a.rad.max(b.rad));
-        if let (Some(x), Some(y)) = (&a.cell, &b.cell) {
+        if let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) {
             let floor = x.p_err.max(y.p_err);
             if self.closed_by_hulls(x, y, &q0, &across(&q0, &a.cone, &b.cone)) {
                 return None;
@@ -129,9 +129,7 @@ impl Search<'_, '_> {
             }
             if (apart || narrow) && !x.p.is_empty() && !y.p.is_empty() {
                 let model = self.refine(i, j);
-                let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
-                    unreachable!("cells")
-                };
+                let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) else { unreachable!("cells") };
                 let bend = model.bends(bulge(x) + bulge(y), spread, self.radius, self.margin);
                 if (bend || model.shares.is_some()) && self.closed_by_forms(i, j, &model, bend) {
                     return None;
@@ -159,7 +157,7 @@ impl Search<'_, '_> {
     }
 
     /// Tilt and slab on control points: q.T(s) is bilinear in points and hodograph vectors.
-    fn closed_by_hulls(&self, x: &Cell, y: &Cell, q0: &V3, across: &V3) -> bool {
+    fn closed_by_hulls(&self, x: Cell, y: Cell, q0: &V3, across: &V3) -> bool {
         if x.p.is_empty() || y.p.is_empty() {
             return false;
         }
@@ -170,18 +168,18 @@ impl Search<'_, '_> {
         // straight strands far closer than they are long: f64 cannot tell the gap, the exact points can
         let slab = |u: &V3| {
             let exact = || hulls_apart_along(self.tree.frame, x, y, e, u, self.radius).is_some();
-            hulls_apart(&x.p, &y.p, e, u, self.radius).unwrap_or_else(exact)
+            hulls_apart(x.p, y.p, e, u, self.radius).unwrap_or_else(exact)
         };
         slab(q0) || slab(across)
     }
 
     /// Newton's method from the middle of the two cells, for a candidate; returns the quadratic model there.
     fn refine(&mut self, i: Id, j: Id) -> Model {
-        let unit = |c: &Cell| {
+        let unit = |c: Cell| {
             let h = ldexp(1.0, -i64::from(c.depth));
             (c.segment, c.index as f64 * h, h)
         };
-        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else {
+        let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) else {
             return Model::UNKNOWN;
         };
         let ((cs, s0, hs), (ct, t0, ht)) = (unit(x), unit(y));
@@ -265,7 +263,7 @@ impl Search<'_, '_> {
     /// tell.
     fn closed_by_forms(&mut self, i: Id, j: Id, model: &Model, bend: bool) -> bool {
         loop {
-            let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return false };
+            let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) else { return false };
             let gap = Gap::of(x, y);
             if model.shares.is_some_and(|shares| gap.together(sides(x, y, shares)) == Some(true))
                 || (bend && gap.bent(self.radius, model.centre) == Some(true))
@@ -280,7 +278,7 @@ impl Search<'_, '_> {
                 break;
             }
         }
-        let (Some(x), Some(y)) = (&self.tree.node(i).cell, &self.tree.node(j).cell) else { return false };
+        let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) else { return false };
         decide([x, y], self.tree.frame, self.radius, model.centre).is_some()
     }
 }

@@ -128,27 +128,31 @@ pub(crate) fn ratio(num: &Dyadic, den: &Dyadic) -> f64 {
     ldexp(num.m.to_f64_shifted(a) / den.m.to_f64_shifted(b), a + num.e - b - den.e)
 }
 
-/// The least f64 that satisfies an exact monotone condition, which 0 need not and something near `near` does.
+/// The least f64 >= 0 that satisfies an exact monotone condition, sought from `near` >= 0.
 pub(crate) fn least_f64(near: f64, holds: impl Fn(&Dyadic) -> bool) -> Option<f64> {
     // numbers >= 0 are ordered as their bits
     let holds = |bits: u64| holds(&Dyadic::from_f64(f64::from_bits(bits)));
-    if !near.is_finite() || near <= 0.0 {
-        return (near == 0.0 && holds(0)).then_some(0.0);
+    if !near.is_finite() || near < 0.0 {
+        return None;
     }
-    let (mut low, mut high, mut step) = (near.to_bits(), near.to_bits(), 1);
-    if holds(high) {
-        while low > 0 && holds(low) {
+    // -0 is 0
+    let start = (near + 0.0).to_bits();
+    let (mut low, mut high, mut step) = (start, start, 1);
+    if holds(start) {
+        while holds(low) {
+            if low == 0 {
+                return Some(0.0);
+            }
             (low, high, step) = (low.saturating_sub(step), low, 2 * step);
         }
-    } else {
-        while !holds(high) {
-            if high == f64::MAX.to_bits() {
-                return None;
-            }
-            (low, high, step) = (high, (high + step).min(f64::MAX.to_bits()), 2 * step);
-        }
     }
-    // the condition fails at low, or low is 0
+    while !holds(high) {
+        if high == f64::MAX.to_bits() {
+            return None;
+        }
+        (low, high, step) = (high, (high + step).min(f64::MAX.to_bits()), 2 * step);
+    }
+    // the condition fails at low and holds at high
     while low + 1 < high {
         let middle = low.midpoint(high);
         if holds(middle) { high = middle } else { low = middle }
@@ -170,5 +174,39 @@ impl Form<Int> {
             power = &power * &rest;
         }
         Dyadic { m: sum, e: self.exp - k * (self.c.len() as i64 - 1) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_bigint::BigInt;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The condition r >= bound, from near it and from far off.
+        #[test]
+        fn the_least_f64_is_the_bound(bits in 0..f64::MAX.to_bits(), off in 0.0..2.0f64) {
+            let bound = f64::from_bits(bits);
+            let holds = |r: &Dyadic| r.cmp(&Dyadic::from_f64(bound)).is_ge();
+            prop_assert_eq!(least_f64(bound, holds), Some(bound));
+            prop_assert_eq!(least_f64((bound * off).min(f64::MAX), holds), Some(bound));
+            prop_assert_eq!(least_f64(0.0, holds), Some(bound));
+        }
+
+        #[test]
+        fn shifted_is_times_a_power_of_two(m in any::<i64>(), d in 1..i64::MAX, by in -200..200i64) {
+            let x = Rational::new(m.into(), d.into());
+            let power = |e: i64| Rational::from_integer(BigInt::from(1) << e as u64);
+            let product = if by < 0 { &x / power(-by) } else { &x * power(by) };
+            prop_assert_eq!(shifted(&x, by), product);
+        }
+    }
+
+    #[test]
+    fn no_f64_is_large_enough() {
+        assert_eq!(least_f64(1.0, |_| false), None);
+        assert_eq!(least_f64(1.0, |_| true), Some(0.0));
+        assert_eq!(least_f64(0.0, |r| !r.m.is_zero()), Some(5e-324));
     }
 }

@@ -240,11 +240,11 @@ impl<'t, 'f> Search<'t, 'f> {
         if let Some(u) = balls_apart(&q0, node.rad + 8.0 * ROUNDING, self.radius) {
             return Some(Node::Slab(u));
         }
-        let cell = node.cell.as_ref().filter(|c| !c.p.is_empty())?;
+        let cell = self.tree.cell(id).filter(|c| !c.p.is_empty())?;
         let e = 2.0 * cell.p_err + 8.0 * ROUNDING;
         let exact = || (exact_points(&cell.exact(self.tree.frame)), vec![self.end.exact_point.clone()]);
         let end = std::slice::from_ref(&self.end.point);
-        if let Some(u) = direction(&q0, &cell.p, end, e, self.radius, exact) {
+        if let Some(u) = direction(&q0, cell.p, end, e, self.radius, exact) {
             return Some(Node::Slab(u));
         }
         let h = ldexp(1.0, -i64::from(cell.depth));
@@ -299,8 +299,7 @@ impl<'t, 'f> Search<'t, 'f> {
             self.broken = true;
             return true;
         }
-        let node = self.tree.node(id);
-        let Some(cell) = node.cell.as_ref().filter(|c| !c.p.is_empty()) else { return false };
+        let Some(cell) = self.tree.cell(id).filter(|c| !c.p.is_empty()) else { return false };
         let h = ldexp(1.0, -i64::from(cell.depth));
         let (segment, from) = (cell.segment, cell.index as f64 * h);
         self.climb(segment, from, h);
@@ -309,7 +308,7 @@ impl<'t, 'f> Search<'t, 'f> {
             return false;
         }
         let (node, gap) = (self.tree.node(id), self.gap(id));
-        let Some(cell) = &node.cell else { return false };
+        let Some(cell) = self.tree.cell(id) else { return false };
         let share = self.share(segment, from, h);
         let closed = against(cell, &self.end).closed(self.of, self.radius, share);
         if closed.unwrap_or_else(|| self.closed_exactly(cell, share)) {
@@ -331,12 +330,12 @@ impl<'t, 'f> Search<'t, 'f> {
 
     /// rho may have a kink where f64 does not place it well: a little less is true there, and more than giving up.
     fn closed_below_a_kink(&mut self, id: Id, share: f64) -> bool {
-        let Some(cell) = &self.tree.node(id).cell else { return false };
+        let Some(cell) = self.tree.cell(id) else { return false };
         let middle = (cell.index as f64 + 0.5) * ldexp(1.0, -i64::from(cell.depth));
         let off = 16.0 * f64::EPSILON * norm(&self.tree.evaluate(cell.segment, middle)[1]);
         let before = self.radius;
         self.radius = (before - off).max(0.5 * before);
-        let closed = self.tree.node(id).cell.as_ref().is_some_and(|cell| self.closed_exactly(cell, share));
+        let closed = self.tree.cell(id).is_some_and(|cell| self.closed_exactly(cell, share));
         if closed {
             self.broken = true
         } else {
@@ -346,7 +345,7 @@ impl<'t, 'f> Search<'t, 'f> {
     }
 
     /// The same from the exact arc: intervals, then integers.
-    fn closed_exactly(&self, cell: &Cell, share: f64) -> bool {
+    fn closed_exactly(&self, cell: Cell, share: f64) -> bool {
         let exact = exact_against(self.tree.frame, cell, &self.end);
         let near = Against {
             q: exact.q.each_ref().map(Interval::cast),
@@ -459,7 +458,7 @@ pub(crate) fn line_within(frame: &Frame, finish: bool, arc: &Bezier, r: f64) -> 
     reach.sub(&form::dot(&x.a, &x.q).sqr().mul(&form::dot(&x.d, &x.d))).positive() == Some(true)
 }
 
-fn against(cell: &Cell, end: &End) -> Against<f64> {
+fn against(cell: Cell, end: &End) -> Against<f64> {
     let q = std::array::from_fn(|k| {
         let strip = cell.p.iter().enumerate().map(|(i, p)| (p[k] - end.point[k]) * cell.weight(i));
         let size = cell.p.iter().map(|p| (p[k] - end.point[k]).abs()).fold(0.0f64, f64::max);
@@ -473,7 +472,7 @@ fn against(cell: &Cell, end: &End) -> Against<f64> {
     Against { q, w, a, d }
 }
 
-fn exact_against(frame: &Frame, cell: &Cell, end: &End) -> Against<Int> {
+fn exact_against(frame: &Frame, cell: Cell, end: &End) -> Against<Int> {
     exact_arc_against(&cell.exact(frame), end)
 }
 

@@ -146,7 +146,7 @@ impl Pairs<'_, '_> {
         if let Some(u) = balls_apart(&q0, spread, self.r) {
             return Some(Node::Slab(u));
         }
-        let (Some(x), Some(y)) = (&a.cell, &b.cell) else { return None };
+        let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) else { return None };
         if tilted(&q0, length, spread, a) || planted(Fault::SignFlipped) {
             return Some(Node::Side([1, 0]));
         }
@@ -247,8 +247,8 @@ pub(crate) fn end(tree: &mut Tree, finish: bool, r: f64) -> Option<EndTree> {
 }
 
 /// The model that the search has of two cells.
-fn model(tree: &Tree, x: &Cell, y: &Cell) -> Option<Model> {
-    let middle = |c: &Cell| {
+fn model(tree: &Tree, x: Cell, y: Cell) -> Option<Model> {
+    let middle = |c: Cell| {
         let h = ldexp(1.0, -i64::from(c.depth));
         (c.segment, (c.index as f64 + 0.5) * h, h)
     };

@@ -209,7 +209,7 @@ impl Search<'_, '_> {
                 }
             }
         }
-        let (Some(x), Some(y)) = (&a.cell, &b.cell) else { return None };
+        let (Some(x), Some(y)) = (self.tree.cell(i), self.tree.cell(j)) else { return None };
         if let Some(k) = self.known(i, j) {
             return Some(Leaf::Root(k));
         }
@@ -341,7 +341,7 @@ impl Search<'_, '_> {
     }
 
     /// A pair near a place of two cells, given in their own parameters, that is alone in a box that holds the cells.
-    fn prove(&self, [x, y]: [&Cell; 2], gap: &Gap, near: [f64; 2]) -> Option<Root> {
+    fn prove(&self, [x, y]: [Cell; 2], gap: &Gap, near: [f64; 2]) -> Option<Root> {
         let cells = [x, y];
         let h = cells.map(|cell| ldexp(1.0, -i64::from(cell.depth)));
         // to hold the neighbours of the cells too, at least where the pair is near their border
@@ -392,7 +392,7 @@ impl Search<'_, '_> {
     }
 
     /// The same on the exact arcs, also across joints.
-    fn prove_exactly(&self, cells: [&Cell; 2], near: [f64; 2]) -> Option<Root> {
+    fn prove_exactly(&self, cells: [Cell; 2], near: [f64; 2]) -> Option<Root> {
         let frame = self.tree.frame;
         let depth = cells.map(|cell| i64::from(cell.depth));
         let centre = [0, 1].map(|k| {
@@ -683,7 +683,7 @@ fn about(ranges: &[[Dyadic; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// A side rule on the exact arcs.
-fn exact_side(frame: &Frame, cells: [&Cell; 2]) -> Option<Node> {
+fn exact_side(frame: &Frame, cells: [Cell; 2]) -> Option<Node> {
     let [x, y] = cells.map(|cell| cell.exact(frame).forms());
     let y = y.transposed();
     let d = x.difference(&y);

@@ -42,7 +42,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    pub(crate) fn of(c: &Cell) -> Self {
+    pub(crate) fn of(c: Cell) -> Self {
         let growth = |from: f64, to: f64| {
             let share = in_units((to - from) / (to + from));
             if share.is_nan() { 0.0 } else { share.clamp(-0.25, 0.25) }
@@ -68,7 +68,7 @@ pub(crate) enum Closed {
 }
 
 /// Rules from exact arcs: f64 first, then intervals, then integers.
-pub(crate) fn decide(cells: [&Cell; 2], frame: &Frame, radius: f64, centre: [f64; 2]) -> Option<Closed> {
+pub(crate) fn decide(cells: [Cell; 2], frame: &Frame, radius: f64, centre: [f64; 2]) -> Option<Closed> {
     /// The rule that holds, or whether surely none does; y in the second variable.
     fn run<T: Scalar>(
         [x, y]: [&ExactForms; 2],
@@ -145,15 +145,15 @@ fn stretched<T: Scalar>(d: &Vec3<T>, weights: &Form<T>, radius: f64) -> Form<T> 
 
 /// D, D.a(s) and D.a(t) on two cells, in f64; the products are formed when first asked for.
 pub(crate) struct Gap<'c> {
-    x: &'c Cell,
-    y: &'c Cell,
+    x: Cell<'c>,
+    y: Cell<'c>,
     pub(crate) d: Vec3<f64>,
     ds: OnceCell<Form<f64>>,
     dt: OnceCell<Form<f64>>,
 }
 
 impl<'c> Gap<'c> {
-    pub(crate) fn of(x: &'c Cell, y: &'c Cell) -> Self {
+    pub(crate) fn of(x: Cell<'c>, y: Cell<'c>) -> Self {
         Self { x, y, d: difference(x, y), ds: OnceCell::new(), dt: OnceCell::new() }
     }
 
@@ -204,7 +204,7 @@ fn exactly<const N: usize>(c: [f64; N]) -> Form<f64> {
 }
 
 /// r'w - r w' of the cell is `pace` times the hodograph held.
-fn pace(c: &Cell) -> f64 {
+fn pace(c: Cell) -> f64 {
     let n = c.p.len() - 1;
     if c.w.is_empty() {
         let mean: V3 = std::array::from_fn(|k| c.a.iter().map(|a| a[k]).sum::<f64>() / c.a.len() as f64);
@@ -214,15 +214,15 @@ fn pace(c: &Cell) -> f64 {
 }
 
 /// Shares of q.T(s) and q.T(t) as the multipliers of *together*: whole numbers of 32 bits.
-pub(crate) fn sides(x: &Cell, y: &Cell, shares: [f64; 2]) -> [f64; 2] {
-    let chord = |c: &Cell| norm(&sub(&c.p[c.p.len() - 1], &c.p[0]));
+pub(crate) fn sides(x: Cell, y: Cell, shares: [f64; 2]) -> [f64; 2] {
+    let chord = |c: Cell| norm(&sub(&c.p[c.p.len() - 1], &c.p[0]));
     let sides = [shares[0] / chord(x), shares[1] / chord(y)];
     let largest = sides[0].abs().max(sides[1].abs());
     sides.map(|side| (side / largest * UNITS).round())
 }
 
 /// D = r(s) w(t) - r(t) w(s), from differences of points so that nothing cancels.
-fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
+fn difference(x: Cell, y: Cell) -> Vec3<f64> {
     let (n, m) = (x.p.len() - 1, y.p.len() - 1);
     let (bs, bt) = (binomials(n), binomials(m));
     let (wx, wy) = (x.heaviest(), y.heaviest());
@@ -253,12 +253,12 @@ fn difference(x: &Cell, y: &Cell) -> Vec3<f64> {
 
 /// Has (p - q).a one strict sign for all control points p of x, q of y and all hodograph vectors a of z? The
 /// coordinates of points are off such that p - q is off by at most `e`.
-pub(crate) fn one_side(x: &Cell, y: &Cell, z: &Cell, e: f64) -> bool {
+pub(crate) fn one_side(x: Cell, y: Cell, z: Cell, e: f64) -> bool {
     let base = &y.p[0];
     let mut side = 0.0f64;
-    let reach = x.p.iter().chain(&y.p).map(|p| dot(&sub(p, base), &sub(p, base))).fold(0.0f64, f64::max).sqrt();
-    for a in &z.a {
-        let range = |c: &Cell| {
+    let reach = x.p.iter().chain(y.p).map(|p| dot(&sub(p, base), &sub(p, base))).fold(0.0f64, f64::max).sqrt();
+    for a in z.a {
+        let range = |c: Cell| {
             c.p.iter()
                 .map(|p| dot(&sub(p, base), a))
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
@@ -302,7 +302,7 @@ pub(crate) fn tilted(q0: &V3, length: f64, spread: f64, node: &Node) -> bool {
 }
 
 /// How far the control points are from those of a uniform straight run between the same ends, numerically.
-pub(crate) fn bulge(c: &Cell) -> f64 {
+pub(crate) fn bulge(c: Cell) -> f64 {
     let n = c.p.len() - 1;
     let (first, last) = (&c.p[0], &c.p[n]);
     let off = |(i, p): (usize, &V3)| {
@@ -314,46 +314,38 @@ pub(crate) fn bulge(c: &Cell) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tree::Head;
     use super::*;
 
-    fn cell(points: [V3; 3]) -> Cell {
-        let p = points.to_vec();
-        let a = points.windows(2).map(|p| sub(&p[1], &p[0])).collect();
-        let (r, w) = (p.clone(), vec![]);
-        Cell {
-            segment: 0,
-            depth: 0,
-            index: 0,
-            r,
-            r_err: 0.0,
-            w,
-            w_err: 0.0,
-            a,
-            a_err: 0.0,
-            p,
-            p_err: 0.0,
-            even: true,
-            sharp: false,
-        }
+    fn vectors(points: &[V3; 3]) -> [V3; 2] {
+        [sub(&points[1], &points[0]), sub(&points[2], &points[1])]
+    }
+
+    fn cell<'c>(head: &'c Head, p: &'c [V3; 3], a: &'c [V3]) -> Cell<'c> {
+        Cell { head, r: p, w: &[], a, p }
     }
 
     /// An arc that turns back: (p - q).a is below 0 for its first hodograph vector and above 0 for its second, and
     /// where it turns the distance to the other arc is stationary.
     #[test]
     fn one_side_needs_one_sign_of_all_hodograph_vectors() {
-        let back = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]]);
-        let on = cell([[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [2.0, 0.1, 0.0]]);
-        let far = cell([[10.0, -0.1, 0.0], [10.0, 0.0, 0.0], [10.0, 0.1, 0.0]]);
-        let before = cell([[-10.0, -0.1, 0.0], [-10.0, 0.0, 0.0], [-10.0, 0.1, 0.0]]);
-        for other in [&far, &before] {
-            assert!(!one_side(&back, other, &back, 1e-12));
-            assert!(!one_side(other, &back, &back, 1e-12));
+        let head = Head::default();
+        let points = [
+            [[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]],
+            [[0.0, -0.1, 0.0], [1.0, 0.0, 0.0], [2.0, 0.1, 0.0]],
+            [[10.0, -0.1, 0.0], [10.0, 0.0, 0.0], [10.0, 0.1, 0.0]],
+            [[-10.0, -0.1, 0.0], [-10.0, 0.0, 0.0], [-10.0, 0.1, 0.0]],
+        ];
+        let a = points.each_ref().map(vectors);
+        let [back, on, far, before] = [0, 1, 2, 3].map(|k| cell(&head, &points[k], &a[k]));
+        for other in [far, before] {
+            assert!(!one_side(back, other, back, 1e-12));
+            assert!(!one_side(other, back, back, 1e-12));
             // one vector alone, or both with one sign, would do
-            assert!(one_side(&on, other, &on, 1e-12));
-            assert!(one_side(other, &on, &on, 1e-12));
+            assert!(one_side(on, other, on, 1e-12));
+            assert!(one_side(other, on, on, 1e-12));
         }
-        let first = Cell { a: vec![back.a[0]], ..cell([[0.0; 3]; 3]) };
-        let second = Cell { a: vec![back.a[1]], ..cell([[0.0; 3]; 3]) };
-        assert!(one_side(&back, &far, &first, 1e-12) && one_side(&back, &far, &second, 1e-12));
+        let [first, second] = [0, 1].map(|k| Cell { a: &back.a[k..=k], ..back });
+        assert!(one_side(back, far, first, 1e-12) && one_side(back, far, second, 1e-12));
     }
 }

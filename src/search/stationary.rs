@@ -265,7 +265,7 @@ fn root(square: Interval) -> Interval {
 }
 
 /// |q| over a box of two cells, from D.
-pub(crate) fn distance_over([x, y]: [&Cell; 2], d: &Vec3<f64>, part: [[f64; 2]; 2]) -> Option<Interval> {
+pub(crate) fn distance_over([x, y]: [Cell; 2], d: &Vec3<f64>, part: [[f64; 2]; 2]) -> Option<Interval> {
     let d = d.each_ref().map(|d| Net::of(d, 0).cut(part).form());
     let [v, w] = [(x.weight_form(), part[0]), (y.weight_form(), part[1])].map(|(w, range)| {
         let whole = [0.0, 1.0];

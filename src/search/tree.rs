@@ -7,6 +7,7 @@ use crate::bernstein::{Form, UNIT, Vec3};
 use crate::integer::{Int, ldexp};
 use crate::parallel;
 use crate::spine::Bezier;
+use std::ops::Deref;
 
 pub(crate) type V3 = [f64; 3];
 
@@ -67,14 +68,13 @@ pub(crate) struct Node {
     pub(crate) rad: f64,
     /// Holds every tangent of the arc.
     pub(crate) cone: Cone,
-    pub(crate) cell: Option<Box<Cell>>,
+    pub(crate) cell: Option<Head>,
     blocks: Option<(Id, Id)>,
     halves: Option<(Id, Id)>,
 }
 
 impl Node {
-    fn of(mut cell: Cell, frame: &Frame) -> Self {
-        cell.refresh(frame);
+    fn of(cell: Cell) -> Self {
         let (mid, rad) = cell.ball();
         let cone = cell.cone();
         let unit = 1u128 << (MAX_DEPTH - cell.depth);
@@ -87,7 +87,7 @@ impl Node {
             }
         };
         let (start, end) = (place(cell.index), place(cell.index + 1));
-        Self { start, end, mid, rad, cone, cell: Some(Box::new(cell)), blocks: None, halves: None }
+        Self { start, end, mid, rad, cone, cell: Some(*cell.head), blocks: None, halves: None }
     }
 }
 
@@ -99,42 +99,94 @@ pub(crate) struct Cone {
     pub(crate) cos: f64,
 }
 
-/// A dyadic cell of one span: control data in f64, each entry off by at most the radius beside it.
-#[derive(Debug)]
-pub(crate) struct Cell {
+/// A dyadic cell of one span: control data in f64, each entry off by at most the radius of its kind.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cell<'c> {
+    pub(crate) head: &'c Head,
+    /// Premultiplied numerators; for a constant weight the points themselves.
+    pub(crate) r: &'c [V3],
+    /// Empty for a constant weight, which then counts as 1.
+    pub(crate) w: &'c [f64],
+    /// The hodograph of the whole span restricted to the cell, up to a positive factor.
+    pub(crate) a: &'c [V3],
+    /// Cartesian control points, their hull holds the arc; empty while some weight is not surely positive.
+    pub(crate) p: &'c [V3],
+}
+
+/// The cell without its control data.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Head {
     pub(crate) segment: usize,
     pub(crate) depth: u32,
     pub(crate) index: u128,
-    /// Premultiplied numerators; for a constant weight the points themselves.
-    pub(crate) r: Vec<V3>,
     pub(crate) r_err: f64,
-    /// Empty for a constant weight, which then counts as 1.
-    pub(crate) w: Vec<f64>,
     pub(crate) w_err: f64,
-    /// The hodograph of the whole span restricted to the cell, up to a positive factor.
-    pub(crate) a: Vec<V3>,
     pub(crate) a_err: f64,
-    /// Cartesian control points, their hull holds the arc; empty while some weight is not surely positive.
-    pub(crate) p: Vec<V3>,
     pub(crate) p_err: f64,
     /// Weights of like size (search only).
     pub(crate) even: bool,
     /// Straight from the exact arc.
-    pub(crate) sharp: bool,
+    sharp: bool,
+    /// All weights are surely positive.
+    positive: bool,
+    extent: Extent,
+}
+
+/// Where the control data of a cell start, and how many there are: r, a and, unless they are r, p follow one another.
+#[derive(Debug, Clone, Copy, Default)]
+struct Extent {
+    points: usize,
+    weights: usize,
+    r: u32,
+    a: u32,
+    w: u32,
+}
+
+impl Extent {
+    /// Of r and a.
+    fn held(&self) -> usize {
+        (self.r + self.a) as usize
+    }
+
+    /// With p: as many as weights.
+    fn all(&self) -> usize {
+        self.held() + self.w as usize
+    }
+}
+
+/// Control data straight from an exact arc.
+struct Sharp {
+    r: Vec<V3>,
+    r_err: f64,
+    w: Vec<f64>,
+    w_err: f64,
+    a: Vec<V3>,
+    a_err: f64,
+}
+
+/// The control data of all cells in one place, so that halving allocates nothing for a cell.
+#[derive(Default)]
+struct Store {
+    points: Vec<V3>,
+    weights: Vec<f64>,
 }
 
 pub(crate) struct Tree<'a> {
     pub(crate) frame: &'a Frame,
     nodes: Vec<Node>,
+    store: Store,
     spans: Vec<Id>,
 }
 
 impl<'a> Tree<'a> {
     pub(crate) fn new(frame: &'a Frame) -> Self {
-        let all: Vec<usize> = (0..frame.segments.len()).collect();
-        let nodes = parallel::map(&all, |segment| Node::of(span_cell(frame, *segment), frame));
-        let spans: Vec<Id> = all.iter().map(|segment| *segment as Id).collect();
-        let mut tree = Self { frame, nodes, spans: spans.clone() };
+        let data = parallel::map(&frame.segments, Sharp::of);
+        let spans: Vec<Id> = (0..data.len() as Id).collect();
+        let mut tree = Self { frame, nodes: vec![], store: Store::default(), spans: spans.clone() };
+        for (segment, data) in data.iter().enumerate() {
+            let head = tree.store.span(segment, data);
+            tree.push_cell(head);
+        }
         tree.block(&spans);
         tree
     }
@@ -148,9 +200,9 @@ impl<'a> Tree<'a> {
         &self.nodes[id as usize]
     }
 
-    /// The whole span, as a cell.
-    pub(crate) fn span(&self, segment: usize) -> &Cell {
-        self.nodes[self.spans[segment] as usize].cell.as_ref().expect("spans are cells")
+    /// The node as a cell; `None` for a block of spans.
+    pub(crate) fn cell(&self, id: Id) -> Option<Cell<'_>> {
+        self.node(id).cell.as_ref().map(|head| self.store.cell(head))
     }
 
     fn block(&mut self, spans: &[Id]) -> Id {
@@ -176,12 +228,8 @@ impl<'a> Tree<'a> {
         if let Some(pair) = node.blocks.or(node.halves) {
             return Some(pair);
         }
-        let cell = node.cell.as_ref()?;
-        if cell.depth >= MAX_DEPTH {
-            return None;
-        }
-        let (left, right) = cell.halves();
-        let (left, right) = (self.push_cell(left), self.push_cell(right));
+        let whole = node.cell.filter(|cell| cell.depth < MAX_DEPTH)?;
+        let [left, right] = self.store.halve(&whole).map(|half| self.push_cell(half));
         self.nodes[id as usize].halves = Some((left, right));
         Some((left, right))
     }
@@ -204,16 +252,18 @@ impl<'a> Tree<'a> {
     /// Takes a cell from its exact arc, without the errors of those that it was halved from; false if it is so already.
     pub(crate) fn sharpen(&mut self, id: Id) -> bool {
         let node = &mut self.nodes[id as usize];
-        let Some(cell) = node.cell.as_mut().filter(|cell| !cell.sharp) else { return false };
-        cell.reload(self.frame);
-        cell.project();
+        let Some(head) = node.cell.as_mut().filter(|cell| !cell.sharp) else { return false };
+        self.store.reload(head, self.frame);
+        self.store.project(head);
+        let cell = self.store.cell(head);
         (node.mid, node.rad) = cell.ball();
         node.cone = cell.cone();
         true
     }
 
-    fn push_cell(&mut self, cell: Cell) -> Id {
-        self.nodes.push(Node::of(cell, self.frame));
+    fn push_cell(&mut self, mut head: Head) -> Id {
+        self.store.refresh(&mut head, self.frame);
+        self.nodes.push(Node::of(self.store.cell(&head)));
         (self.nodes.len() - 1) as Id
     }
 
@@ -258,7 +308,7 @@ impl<'a> Tree<'a> {
         while let Some((left, right)) = self.node(id).blocks {
             id = if at_end { right } else { left };
         }
-        let a = &self.node(id).cell.as_ref().expect("what is no block is a cell").a;
+        let a = self.cell(id).expect("what is no block is a cell").a;
         a[if at_end { a.len() - 1 } else { 0 }]
     }
 
@@ -266,34 +316,32 @@ impl<'a> Tree<'a> {
     /// Where weights far apart would cancel, in the smallest cell made so far, to the precision of its own weights.
     pub(crate) fn evaluate(&self, segment: usize, mut t: f64) -> [V3; 3] {
         let mut id = self.spans[segment];
-        let mut cell = self.span(segment);
         let mut scale = 1.0;
-        while !cell.even
+        while self.node(id).cell.is_some_and(|cell| !cell.even)
             && let Some((left, right)) = self.node(id).halves
         {
             (id, t) = if t < 0.5 { (left, 2.0 * t) } else { (right, 2.0 * t - 1.0) };
-            cell = self.node(id).cell.as_ref().expect("halves are cells");
             scale *= 2.0;
         }
-        let [c, c1, c2] = cell.evaluate(t);
+        let [c, c1, c2] = self.cell(id).expect("spans and their halves are cells").evaluate(t);
         [c, c1.map(|x| x * scale), c2.map(|x| x * (scale * scale))]
     }
 }
 
 /// Value and two derivatives by de Casteljau.
-fn derivatives(c: &[V3], t: f64) -> [V3; 3] {
+fn derivatives<const N: usize>(c: &[[f64; N]], t: f64) -> [[f64; N]; 3] {
     let n = c.len() - 1;
-    let mut short = [[0.0; 3]; 12];
+    let mut short = [[0.0; N]; 12];
     let mut long;
     let row = match short.get_mut(..=n) {
         Some(row) => row,
         None => {
-            long = vec![[0.0; 3]; n + 1];
+            long = vec![[0.0; N]; n + 1];
             &mut long
         }
     };
     row.copy_from_slice(c);
-    let (mut first, mut second) = ([0.0; 3], [0.0; 3]);
+    let (mut first, mut second) = ([0.0; N], [0.0; N]);
     for m in (1..=n).rev() {
         if m == 2 {
             second = std::array::from_fn(|k| (n * (n - 1)) as f64 * (row[2][k] - 2.0 * row[1][k] + row[0][k]));
@@ -354,83 +402,189 @@ impl Cone {
 /// sqrt(2 ROUNDING) rounded up: what sqrt(1 - c^2) may lose when c is off by a few units in the last place.
 pub(crate) const SINE_SLACK: f64 = 6.0e-8;
 
-/// Both halves by de Casteljau, `middle` that of two coefficients; the row ends as the second half.
-fn split<T: Copy>(c: &[T], middle: impl Fn(T, T) -> T) -> (Vec<T>, Vec<T>) {
-    let (mut left, mut row) = (c.to_vec(), c.to_vec());
-    for (level, first) in left.iter_mut().enumerate().skip(1) {
-        for i in 0..c.len() - level {
-            row[i] = middle(row[i], row[i + 1]);
+/// Both halves by de Casteljau, `middle` that of two coefficients. The second starts as the whole row.
+fn split<T: Copy>(left: &mut [T], row: &mut [T], middle: impl Fn(T, T) -> T) {
+    let n = row.len();
+    for (level, left) in left.iter_mut().enumerate() {
+        *left = row[0];
+        for i in 1..n - level {
+            row[i - 1] = middle(row[i - 1], row[i]);
         }
-        *first = row[0];
     }
-    (left, row)
 }
 
-fn span_cell(frame: &Frame, segment: usize) -> Cell {
-    let mut cell = Cell {
-        segment,
-        depth: 0,
-        index: 0,
-        r: vec![],
-        r_err: 0.0,
-        w: vec![],
-        w_err: 0.0,
-        a: vec![],
-        a_err: 0.0,
-        p: vec![],
-        p_err: 0.0,
-        sharp: false,
-        even: true,
-    };
-    cell.reload(frame);
-    cell
+fn largest(v: &[V3]) -> f64 {
+    v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()))
 }
 
-impl Cell {
-    /// Fills r, w and a from the exact arc: every entry within UNIT of the largest of its kind.
-    fn reload(&mut self, frame: &Frame) {
-        self.sharp = true;
-        let whole = &frame.segments[self.segment];
-        let arc;
-        let bezier = if self.depth == 0 {
-            whole
-        } else {
-            arc = self.exact(frame);
-            &arc
-        };
+impl Sharp {
+    /// Every entry within UNIT of the largest of its kind.
+    fn of(bezier: &Bezier) -> Self {
         let drop = bezier.w.iter().map(|x| x.bits() as i64).max().unwrap_or(0);
         let n = bezier.degree();
         let f = |x: &Int| x.to_f64_shifted(drop);
-        self.r = (0..=n).map(|i| [0, 1, 2].map(|k| f(&bezier.x[k][i]))).collect();
-        self.w_err = 0.0;
+        let mut r: Vec<V3> = (0..=n).map(|i| [0, 1, 2].map(|k| f(&bezier.x[k][i]))).collect();
+        let (mut w, mut w_err) = (vec![], 0.0);
         if bezier.w.len() == 1 {
             let w = f(&bezier.w[0]);
-            for p in &mut self.r {
+            for p in &mut r {
                 *p = p.map(|x| x / w);
             }
         } else {
-            self.w = bezier.w.iter().map(f).collect();
-            self.w_err = UNIT * 2.0;
+            w = bezier.w.iter().map(f).collect();
+            w_err = UNIT * 2.0;
         }
-        let largest = |v: &[V3]| v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
         // the constant is above what squares of tiny coordinates may lose to underflow
-        self.r_err = 4.0 * UNIT * largest(&self.r) + 1e-140;
+        let r_err = 4.0 * UNIT * largest(&r) + 1e-140;
         let forms = bezier.forms();
         let drop = forms.a.iter().flat_map(|f| &f.c).map(|x| x.bits() as i64).max().unwrap_or(0);
         let binomials = crate::bernstein::binomials(forms.a[0].ds);
-        self.a = (0..=forms.a[0].ds)
+        let a: Vec<V3> = (0..=forms.a[0].ds)
             .map(|i| [0, 1, 2].map(|k| forms.a[k].c[i].to_f64_shifted(drop) / binomials[i]))
             .collect();
-        self.a_err = (4.0 * UNIT + crate::bernstein::binomial_error(forms.a[0].ds)) * largest(&self.a);
+        let a_err = (4.0 * UNIT + crate::bernstein::binomial_error(forms.a[0].ds)) * largest(&a);
+        Self { r, r_err, w, w_err, a, a_err }
+    }
+}
+
+impl Head {
+    /// A half; its control data are yet to come.
+    fn half(&self, second: bool, extent: Extent) -> Self {
+        let index = 2 * self.index + u128::from(second);
+        Self { depth: self.depth + 1, index, sharp: false, positive: false, extent, ..*self }
     }
 
+    /// The arc of the cell, exactly.
+    pub(crate) fn exact(&self, frame: &Frame) -> Bezier {
+        let index = Int::from(num_bigint::BigInt::from(self.index));
+        frame.segments[self.segment].cell(&index, self.depth)
+    }
+}
+
+impl Store {
+    fn cell<'c>(&'c self, head: &'c Head) -> Cell<'c> {
+        let extent = &head.extent;
+        let w = &self.weights[extent.weights..][..extent.w as usize];
+        let (held, quotients) = self.points[extent.points..][..extent.all()].split_at(extent.held());
+        let (r, a) = held.split_at(extent.r as usize);
+        let p = match head.positive {
+            false => &[],
+            true if w.is_empty() => r,
+            true => quotients,
+        };
+        Cell { head, r, w, a, p }
+    }
+
+    /// Room for one more cell of these numbers.
+    fn room(&mut self, size: &Extent) -> Extent {
+        let extent = Extent { points: self.points.len(), weights: self.weights.len(), ..*size };
+        self.points.resize(extent.points + size.all(), [0.0; 3]);
+        self.weights.resize(extent.weights + size.w as usize, 0.0);
+        extent
+    }
+
+    /// A whole span.
+    fn span(&mut self, segment: usize, data: &Sharp) -> Head {
+        let [r, a, w] = [data.r.len(), data.a.len(), data.w.len()].map(|n| n as u32);
+        let extent = self.room(&Extent { r, a, w, ..Extent::default() });
+        let mut head = Head { segment, extent, ..Head::default() };
+        self.fill(&mut head, data);
+        head
+    }
+
+    fn fill(&mut self, head: &mut Head, data: &Sharp) {
+        let extent = &head.extent;
+        let (r, a) = self.points[extent.points..][..extent.held()].split_at_mut(extent.r as usize);
+        r.copy_from_slice(&data.r);
+        a.copy_from_slice(&data.a);
+        self.weights[extent.weights..][..extent.w as usize].copy_from_slice(&data.w);
+        (head.r_err, head.w_err, head.a_err, head.sharp) = (data.r_err, data.w_err, data.a_err, true);
+    }
+
+    /// Takes r, w and a from the exact arc.
+    fn reload(&mut self, head: &mut Head, frame: &Frame) {
+        let data = match head.depth {
+            0 => Sharp::of(&frame.segments[head.segment]),
+            _ => Sharp::of(&head.exact(frame)),
+        };
+        self.fill(head, &data);
+    }
+
+    /// Both halves, without their points.
+    fn halve(&mut self, whole: &Head) -> [Head; 2] {
+        let from = whole.extent;
+        let to = [self.room(&from), self.room(&from)];
+        self.points.copy_within(from.points..from.points + from.held(), to[1].points);
+        self.weights.copy_within(from.weights..from.weights + from.w as usize, to[1].weights);
+        let (left, right) = self.points[to[0].points..].split_at_mut(from.all());
+        let middle = |x: V3, y: V3| std::array::from_fn(|k| 0.5 * (x[k] + y[k]));
+        for kind in [0..from.r as usize, from.r as usize..from.held()] {
+            split(&mut left[kind.clone()], &mut right[kind], middle);
+        }
+        let (left, right) = self.weights[to[0].weights..].split_at_mut(from.w as usize);
+        split(left, right, |x, y| 0.5 * (x + y));
+        let grown = self.cell(whole).grown();
+        [grown.half(false, to[0]), grown.half(true, to[1])]
+    }
+
+    /// Computes the Cartesian points; where rounding has eaten the hodograph, a weight or the points, starts again from
+    /// the exact arc.
+    fn refresh(&mut self, head: &mut Head, frame: &Frame) {
+        let mut worn = self.cell(head).worn();
+        let may_reload = head.depth > 0 && head.depth.is_multiple_of(4);
+        if !worn {
+            self.project(head);
+            worn = may_reload && self.cell(head).blurred();
+        }
+        if worn && may_reload {
+            self.reload(head, frame);
+        }
+        if worn {
+            self.project(head);
+        }
+        let cell = self.cell(head);
+        head.even = cell.w.is_empty() || cell.heaviest() < 16.0 * cell.lightest();
+    }
+
+    /// Computes the Cartesian points.
+    fn project(&mut self, head: &mut Head) {
+        let extent = &head.extent;
+        if extent.w == 0 {
+            (head.p_err, head.positive) = (head.r_err, true);
+            return;
+        }
+        head.p_err = 0.0;
+        let w = &self.weights[extent.weights..][..extent.w as usize];
+        head.positive = !w.iter().any(|w| *w <= 2.0 * head.w_err);
+        if !head.positive {
+            return;
+        }
+        let (held, quotients) = self.points[extent.points..][..extent.all()].split_at_mut(extent.held());
+        for ((r, w), p) in held.iter().zip(w).zip(quotients) {
+            *p = r.map(|x| x / w);
+            let size = p.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            let err = (head.r_err + size * head.w_err) / (w - head.w_err) + 2.0 * UNIT * size;
+            head.p_err = head.p_err.max(err * (1.0 + 1e-9) + 1e-290);
+        }
+    }
+}
+
+impl Deref for Cell<'_> {
+    type Target = Head;
+
+    fn deref(&self) -> &Head {
+        self.head
+    }
+}
+
+impl Cell<'_> {
     /// Point, first and second derivative with respect to the cell's parameter.
     fn evaluate(&self, t: f64) -> [V3; 3] {
-        let [r, r1, r2] = derivatives(&self.r, t);
+        let [r, r1, r2] = derivatives(self.r, t);
         if self.w.is_empty() {
             return [r, r1, r2];
         }
-        let [w, w1, w2] = derivatives(&self.w.iter().map(|w| [*w, 0.0, 0.0]).collect::<Vec<_>>(), t).map(|v| v[0]);
+        let [w, w1, w2] = derivatives(self.w.as_chunks::<1>().0, t).map(|v| v[0]);
         let c = r.map(|x| x / w);
         let c1: V3 = std::array::from_fn(|k| (r1[k] - w1 * c[k]) / w);
         let c2 = std::array::from_fn(|k| (r2[k] - 2.0 * w1 * c1[k] - w2 * c[k]) / w);
@@ -448,7 +602,7 @@ impl Cell {
 
     pub(crate) fn weight_form(&self) -> Form<f64> {
         let one: &[f64] = &[1.0];
-        let w = if self.w.is_empty() { one } else { &self.w };
+        let w = if self.w.is_empty() { one } else { self.w };
         Form::from_strip(w.iter().copied(), self.w_err, 0)
     }
 
@@ -456,92 +610,36 @@ impl Cell {
         std::array::from_fn(|k| Form::from_strip(self.a.iter().map(|a| a[k]), self.a_err, 0))
     }
 
-    /// The arc of the cell, exactly.
-    pub(crate) fn exact(&self, frame: &Frame) -> Bezier {
-        let index = Int::from(num_bigint::BigInt::from(self.index));
-        frame.segments[self.segment].cell(&index, self.depth)
+    fn lightest(&self) -> f64 {
+        self.w.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    fn halves(&self) -> (Self, Self) {
-        let (r0, r1) = split(&self.r, |x, y| std::array::from_fn(|k| 0.5 * (x[k] + y[k])));
-        let (a0, a1) = split(&self.a, |x, y| std::array::from_fn(|k| 0.5 * (x[k] + y[k])));
-        let (w0, w1) = split(&self.w, |x, y| 0.5 * (x + y));
+    /// The head with the errors that halving leaves.
+    fn grown(&self) -> Head {
         // each level rounds one sum, and averages do not amplify: degree * UNIT * max per split
         let grown = |err: f64, max: f64, n: usize| (err + (n as f64 * UNIT) * max) * (1.0 + 1e-9) + 1e-290;
-        let largest = |v: &[V3]| v.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
         let w_max = self.w.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        let r_err = grown(self.r_err, largest(&self.r), self.r.len());
+        let r_err = grown(self.r_err, largest(self.r), self.r.len());
         let w_err = if self.w.is_empty() { 0.0 } else { grown(self.w_err, w_max, self.w.len()) };
-        let a_err = grown(self.a_err, largest(&self.a), self.a.len());
-        let make = |index: u128, r, w, a| Self {
-            segment: self.segment,
-            depth: self.depth + 1,
-            index,
-            r,
-            r_err,
-            w,
-            w_err,
-            a,
-            a_err,
-            p: vec![],
-            p_err: 0.0,
-            even: true,
-            sharp: false,
-        };
-        (make(2 * self.index, r0, w0, a0), make(2 * self.index + 1, r1, w1, a1))
+        let a_err = grown(self.a_err, largest(self.a), self.a.len());
+        Head { r_err, w_err, a_err, ..*self.head }
     }
 
-    /// Computes the Cartesian points; where rounding has eaten the hodograph, a weight or the points, starts again from
-    /// the exact arc.
-    fn refresh(&mut self, frame: &Frame) {
+    /// The hodograph of a cell is to keep at least 20 bits, a positive weight too.
+    fn worn(&self) -> bool {
         let shortest = self.a.iter().map(norm).fold(f64::INFINITY, f64::min);
-        let lightest = self.w.iter().copied().fold(f64::INFINITY, f64::min);
-        // the hodograph of a cell is to keep at least 20 bits, a positive weight too
-        let mut worn = self.a_err * 1e6 > shortest || (lightest > 0.0 && self.w_err * 1e6 > lightest);
-        let may_reload = self.depth > 0 && self.depth.is_multiple_of(4);
-        if !worn {
-            self.project();
-            // inherited errors that blur the arc, where a fresh start does better
-            worn = may_reload && self.p_err > 2000.0 * UNIT * self.size() && self.p_err > 1e-7 * self.length();
-        }
-        if worn && may_reload {
-            self.reload(frame);
-        }
-        if worn {
-            self.project();
-        }
-        self.even = self.w.is_empty() || self.heaviest() < 16.0 * self.w.iter().copied().fold(f64::INFINITY, f64::min);
+        let lightest = self.lightest();
+        self.a_err * 1e6 > shortest || (lightest > 0.0 && self.w_err * 1e6 > lightest)
     }
 
-    /// The largest coordinate of a point.
-    fn size(&self) -> f64 {
-        self.p.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()))
+    /// Do inherited errors blur the arc, where a fresh start does better?
+    fn blurred(&self) -> bool {
+        self.p_err > 2000.0 * UNIT * largest(self.p) && self.p_err > 1e-7 * self.length()
     }
 
     /// From one end to the other.
     fn length(&self) -> f64 {
         self.p.first().zip(self.p.last()).map_or(0.0, |(first, last)| norm(&sub(first, last)))
-    }
-
-    /// Computes the Cartesian points.
-    fn project(&mut self) {
-        if self.w.is_empty() {
-            self.p.clone_from(&self.r);
-            self.p_err = self.r_err;
-            return;
-        }
-        self.p.clear();
-        self.p_err = 0.0;
-        if self.w.iter().any(|w| *w <= 2.0 * self.w_err) {
-            return;
-        }
-        for (r, w) in self.r.iter().zip(&self.w) {
-            let p = r.map(|x| x / w);
-            let size = p.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-            let err = (self.r_err + size * self.w_err) / (w - self.w_err) + 2.0 * UNIT * size;
-            self.p_err = self.p_err.max(err * (1.0 + 1e-9) + 1e-290);
-            self.p.push(p);
-        }
     }
 
     /// A ball that holds the arc. Coordinates are off by p_err each, so points by less than 2 p_err.
@@ -562,7 +660,7 @@ impl Cell {
             return unknown;
         }
         let mut cos = 1.0f64;
-        for a in &self.a {
+        for a in self.a {
             let length = norm(a);
             if length <= 4.0 * self.a_err {
                 return unknown;

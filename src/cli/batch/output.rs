@@ -82,6 +82,12 @@ struct Kept {
 impl Kept {
     fn read(file: &File) -> io::Result<Self> {
         let (mut reader, mut kept) = (BufReader::new(file), Self::default());
+        let begin = reader.fill_buf()?;
+        if !begin.iter().zip(START).all(|(a, b)| a == b) {
+            // none of ours, and perhaps without an end
+            kept.rest = begin.to_vec();
+            return Ok(kept);
+        }
         loop {
             kept.rest.clear();
             let bytes = reader.read_until(b'\n', &mut kept.rest)?;
