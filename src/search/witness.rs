@@ -33,7 +33,8 @@ impl Point {
 /// Exact evaluation of one spine, the forms of a span made when first needed.
 pub(crate) struct Exact<'f> {
     pub(crate) frame: &'f Frame,
-    forms: Vec<Option<(ExactForms, Vec3<Int>)>>,
+    /// Boxed: of most spans there are none.
+    forms: Vec<Option<Box<(ExactForms, Vec3<Int>)>>>,
 }
 
 /// Two disks, exactly: centres, tangent vectors d and a, q / w from the first centre to the second, u = d x a.
@@ -151,7 +152,7 @@ impl<'f> Exact<'f> {
 
     pub(crate) fn span(&mut self, segment: usize) -> &(ExactForms, Vec3<Int>) {
         let bezier = &self.frame.segments[segment];
-        self.forms[segment].get_or_insert_with(|| (bezier.forms(), bezier.binormal()))
+        self.forms[segment].get_or_insert_with(|| Box::new((bezier.forms(), bezier.binormal())))
     }
 
     pub(crate) fn point(&mut self, at: &At) -> Point {
