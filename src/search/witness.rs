@@ -30,11 +30,13 @@ impl Point {
     }
 }
 
-/// Exact evaluation of one spine, the forms of a span made when first needed.
+/// The forms of a span and its b.
+type Forms = (ExactForms, Vec3<Int>);
+
+/// Exact evaluation of one spine, the forms of a span made when first needed; of most none ever are.
 pub(crate) struct Exact<'f> {
     pub(crate) frame: &'f Frame,
-    /// Boxed: of most spans there are none.
-    forms: Vec<Option<Box<(ExactForms, Vec3<Int>)>>>,
+    forms: Vec<Option<Box<Forms>>>,
 }
 
 /// Two disks, exactly: centres, tangent vectors d and a, q / w from the first centre to the second, u = d x a.
@@ -150,7 +152,7 @@ impl<'f> Exact<'f> {
         Self { frame, forms: frame.segments.iter().map(|_| None).collect() }
     }
 
-    pub(crate) fn span(&mut self, segment: usize) -> &(ExactForms, Vec3<Int>) {
+    pub(crate) fn span(&mut self, segment: usize) -> &Forms {
         let bezier = &self.frame.segments[segment];
         self.forms[segment].get_or_insert_with(|| Box::new((bezier.forms(), bezier.binormal())))
     }
