@@ -151,7 +151,7 @@ impl Arc {
             ends = found.map(Some);
             inner = zeros.into_iter().map(|zero| Inner::new(&kappa, zero, widths)).collect();
             // a small curvature wants a shorter arc; what f64 tells just so, integers tell far more narrowly
-            let share = widths.share * if exactly { 1.0 } else { 0.2 };
+            let share = widths.share * if exactly { 0.95 } else { 0.4 };
             if meter.stopped.is_some() || inner.iter().all(|i| !i.zero.known || i.kappa.is_within(share)) {
                 break;
             }
@@ -171,7 +171,7 @@ impl Inner {
         let kappa = if inflection {
             Enclosure::ZERO
         } else if zero.known {
-            enclosure(kappa.on(&zero.lo, &zero.hi, |kappa| enclosure(kappa).is_within(0.25 * widths.share)))
+            enclosure(kappa.on(&zero.lo, &zero.hi, |kappa| enclosure(kappa).is_within(0.35 * widths.share)))
         } else {
             Enclosure { lo: 0.0, hi: kappa.at_most(&zero.lo, &zero.hi) }
         };

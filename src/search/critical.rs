@@ -292,7 +292,7 @@ impl Near {
     fn bracket(&self, x: f64, [first, last]: [Ordering; 2], row: &mut Vec<f64>) -> [f64; 2] {
         let [_, slope] = self.at(x, row);
         let error = self.rounded();
-        let least = (1.25 * error / slope.abs()).max(8.0 * UNIT);
+        let least = (1.9 * error / slope.abs()).max(8.0 * UNIT);
         let mut side = |sign: Ordering, toward: f64| {
             let mut step = least;
             while step < 1.0 {
@@ -300,7 +300,7 @@ impl Near {
                 if Self::sign(self.at(p, row)[0], error) == sign {
                     return p;
                 }
-                step *= 1.6;
+                step *= 4.0;
             }
             0.5 + 0.5 * toward
         };
@@ -376,7 +376,7 @@ impl Search<'_> {
             let x = near.root(before.is_lt(), row);
             let [p, q] = near.bracket(x, [before, after], row);
             place = (between(&place, p), between(&place, q));
-            if length(&place) <= 0.2 * self.width {
+            if length(&place) <= self.width * if self.exact.is_some() { 0.95 } else { 0.7 } {
                 break;
             }
             near = anew(self.exact.ok_or(Unclear)?, &place);
