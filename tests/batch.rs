@@ -4,7 +4,7 @@
 use std::fs;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use serde_json::{Value, json};
@@ -13,26 +13,9 @@ use serde_json::{Value, json};
 mod shapes;
 use shapes::Random;
 
-fn tubecert(words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tubecert"));
-    command.args(words).current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
-    command
-}
-
-fn fed(words: &[&str], input: &[u8]) -> Output {
-    let mut child =
-        tubecert(words).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    std::thread::scope(|scope| {
-        // a program that refuses its arguments reads nothing
-        scope.spawn(move || drop(stdin.write_all(input)));
-        child.wait_with_output().unwrap()
-    })
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("an exit code, no signal")
-}
+#[path = "program/mod.rs"]
+mod program;
+use program::{code, fed, tubecert};
 
 /// The records on stdout of a batch that ended well.
 fn records(words: &[&str], input: &[u8]) -> String {

@@ -4,9 +4,8 @@
 #![cfg(all(feature = "cli", feature = "search"))]
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -17,29 +16,16 @@ use tubecert::{Enclosure, Radius, RadiusOptions, Spine};
 #[path = "shapes/mod.rs"]
 mod shapes;
 
-fn tubecert(words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tubecert"));
-    command.args(words).current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
-    command
-}
+#[path = "program/mod.rs"]
+mod program;
+use program::{code, fed, tubecert};
 
 fn run(words: &[&str]) -> Output {
     tubecert(words).output().unwrap()
 }
 
-fn fed(words: &[&str], input: &[u8]) -> Output {
-    let mut child =
-        tubecert(words).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(input).unwrap();
-    child.wait_with_output().unwrap()
-}
-
 fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("an exit code, no signal")
 }
 
 /// What stands on stdout; nothing may stand on stderr.

@@ -171,8 +171,7 @@ impl<'c> Gap<'c> {
     pub(crate) fn together(&self, sides: [f64; 2]) -> Option<bool> {
         let (v, w) = (self.x.weight(0), self.y.weight(0));
         let [k, l] = [sides[0] * w * w * pace(self.x), sides[1] * v * v * pace(self.y)];
-        let constant = |k: f64| exactly([k]);
-        self.ds().mul(&constant(k)).add(&self.dt().mul(&constant(l))).one_sign()
+        self.ds().mul(&exactly([k])).add(&self.dt().mul(&exactly([l]))).one_sign()
     }
 
     /// The rule *bent*.
