@@ -147,12 +147,12 @@ impl Arc {
         let mut width = widths.inside(segment);
         let (mut ends, mut inner) = ([None; 2], vec![]);
         for _ in 0..TRIES {
-            let Course::Varying { ends: found, zeros, exactly } = course(&bend, width, meter) else { break };
+            let Course::Varying { ends: found, zeros } = course(&bend, width, meter) else { break };
             ends = found.map(Some);
             inner = zeros.into_iter().map(|zero| Inner::new(&kappa, zero, widths)).collect();
             // a small curvature wants a shorter arc; what f64 tells just so, integers tell far more narrowly
-            let share = widths.share * if exactly { 0.95 } else { 0.4 };
-            if meter.stopped.is_some() || inner.iter().all(|i| !i.zero.known || i.kappa.is_within(share)) {
+            let narrow = |i: &Inner| !i.zero.known || i.kappa.is_within(0.4 * widths.share);
+            if meter.stopped.is_some() || inner.iter().all(narrow) {
                 break;
             }
             width *= FINER;

@@ -22,6 +22,8 @@ const BITS: i64 = 48;
 const PLACES: [i64; 7] = [8, 7, 9, 5, 11, 3, 13];
 /// So often a cell is made anew from the exact polynomial inside one that was; each time it can be 2^-20 as wide.
 const LEVELS: u32 = 4;
+/// Where N is at hand in integers, zeros are enclosed to this share of the segment.
+const FINEST: f64 = 1.0 / (1_u64 << 56) as f64;
 /// Square-free factors of polynomials of a higher degree take too long: their multiple zeros stay undecided.
 const MAX_FACTORED: usize = 160;
 
@@ -101,8 +103,6 @@ pub(crate) enum Course {
     Varying {
         ends: [End; 2],
         zeros: Vec<Zero>,
-        /// Was N formed in integers?
-        exactly: bool,
     },
 }
 
@@ -118,7 +118,7 @@ pub(crate) fn course(bend: &Bend, width: f64, meter: &mut Meter) -> Course {
         let mut search = Search { exact: None, width, meter, zeros: vec![], unclear: false };
         if search.isolate(near, &whole, 0).is_ok() {
             let ends = [first, last].map(|sign| End { sign, multiplicity: 0 });
-            return Course::Varying { ends, zeros: search.zeros, exactly: false };
+            return Course::Varying { ends, zeros: search.zeros };
         }
     }
     let mut exact = bend.critical();
@@ -143,7 +143,7 @@ pub(crate) fn course(bend: &Bend, width: f64, meter: &mut Meter) -> Course {
     if unclear && meter.stopped.is_none() && exact.ds <= MAX_FACTORED {
         zeros = factored(&exact, width);
     }
-    Course::Varying { ends, zeros, exactly: true }
+    Course::Varying { ends, zeros }
 }
 
 /// The zeros by square-free factors.
@@ -376,7 +376,7 @@ impl Search<'_> {
             let x = near.root(before.is_lt(), row);
             let [p, q] = near.bracket(x, [before, after], row);
             place = (between(&place, p), between(&place, q));
-            if length(&place) <= self.width * if self.exact.is_some() { 0.95 } else { 0.7 } {
+            if length(&place) <= if self.exact.is_some() { self.width.min(FINEST) } else { 0.4 * self.width } {
                 break;
             }
             near = anew(self.exact.ok_or(Unclear)?, &place);

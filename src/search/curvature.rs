@@ -46,7 +46,7 @@ impl<const N: usize> Strip<N> {
         let binomials = binomials(degree);
         let c: Vec<[f64; N]> =
             (0..=degree).map(|i| forms.map(|f| f.c[i].to_f64_shifted(drop) / binomials[i])).collect();
-        let rad = (4.0 * UNIT + binomial_error(degree)) * max_abs(&c) + 1e-290;
+        let rad = (2.5 * UNIT + binomial_error(degree)) * max_abs(&c) + 1e-290;
         Self { c, rad, exp: drop + forms[0].exp }
     }
 
@@ -104,7 +104,7 @@ impl<const N: usize> Strip<N> {
         }
         // the sum is at most exp(step) - 1 - step
         let bent = step * step * size;
-        let rounded = 6.0 * (n + 1) as f64 * UNIT * size + self.rad;
+        let rounded = 5.0 * (n + 1) as f64 * UNIT * size + self.rad;
         std::array::from_fn(|k| {
             let slope = next[k] - row[0][k];
             let value = row[0][k] + middle * slope;
@@ -318,16 +318,23 @@ impl Cell {
     }
 }
 
-/// 1/kappa at t from exact values, numerically.
-fn exact_radius(bezier: &Bezier, t: f64) -> Option<f64> {
-    let (forms, b, t) = (bezier.forms(), bezier.binormal(), Dyadic::from_f64(t));
+/// kappa^2 at t as |b|^2 w^6 over |a|^6, exactly.
+pub(super) fn kappa_sq(a: &Vec3<Int>, b: &Vec3<Int>, w: &Form<Int>, t: &Dyadic) -> [Dyadic; 2] {
     let square = |v: &Vec3<Int>| {
-        let v = v.each_ref().map(|f| f.at(&t));
+        let v = v.each_ref().map(|f| f.at(t));
         dot3(&v, &v)
     };
-    let (a, w) = (square(&forms.a), forms.w.at(&t));
-    let r = ratio(&a.sqr().mul(&a), &square(&b).mul(&w.sqr().mul(&w).sqr())).sqrt();
-    r.is_finite().then_some(r)
+    let (a, w) = (square(a), w.at(t));
+    [square(b).mul(&w.sqr().mul(&w).sqr()), a.sqr().mul(&a)]
+}
+
+/// 1/kappa from exact values, numerically.
+fn exact_radius(bezier: &Bezier) -> impl Fn(f64) -> f64 {
+    let (forms, b) = (bezier.forms(), bezier.binormal());
+    move |t| {
+        let [num, den] = kappa_sq(&forms.a, &b, &forms.w, &Dyadic::from_f64(t));
+        ratio(&den, &num).sqrt()
+    }
 }
 
 struct Search<'a> {
@@ -356,11 +363,12 @@ impl Search<'_> {
     fn climb(&mut self, segment: usize, t: f64, h: f64) {
         let strips = &self.spans[segment];
         let (t, least) = golden(|t| strips.radius_at(t), t, h);
-        let t = strips.peak(t, 1e-6 * h);
+        let mut t = strips.peak(t, 1e-6 * h);
         let mut radius = strips.radius_at(t).min(least);
-        if length(&strips.a.at(t)) < 1e10 * strips.a.rad {
-            // the hodograph is small against its rounding here
-            radius = exact_radius(&self.frame.segments[segment], t).unwrap_or(radius);
+        if length(&strips.a.at(t)) < 1e10 * strips.a.rad || length(&strips.b.at(t)) < 1e10 * strips.b.rad {
+            // small against their rounding here
+            let exact = golden(exact_radius(&self.frame.segments[segment]), t, h);
+            (t, radius) = if exact.1.is_finite() { exact } else { (t, radius) };
         }
         if radius * (1.0 - self.margin) < self.radius && radius > 0.0 {
             self.radius = radius * (1.0 - self.margin);

@@ -1,9 +1,9 @@
 //! The curvature itself: exactly at a point, enclosed on a short arc.
 
 use super::critical::{Bend, Zero};
-use super::curvature::Strips;
-use super::dyadic::{Dyadic, dot3};
-use crate::bernstein::{Form, Vec3, dot, int_binomials};
+use super::curvature::{Strips, kappa_sq};
+use super::dyadic::Dyadic;
+use crate::bernstein::{Form, dot, int_binomials};
 use crate::enclosure::Interval;
 use crate::integer::Int;
 use crate::number::{Rational, compare};
@@ -22,12 +22,8 @@ pub(crate) struct Exactly {
 
 impl Exactly {
     pub(crate) fn at(bend: &Bend, t: &Dyadic) -> Self {
-        let square = |v: &Vec3<Int>| {
-            let v = v.each_ref().map(|f| f.at(t));
-            dot3(&v, &v)
-        };
-        let (a, w) = (square(&bend.a), bend.w.at(t));
-        Self { numerator: square(&bend.b).mul(&w.sqr().mul(&w).sqr()), denominator: a.sqr().mul(&a) }
+        let [numerator, denominator] = kappa_sq(&bend.a, &bend.b, &bend.w, t);
+        Self { numerator, denominator }
     }
 
     pub(crate) fn is_zero(&self) -> bool {
@@ -88,6 +84,13 @@ fn length(v: [Interval; 3]) -> Interval {
     (v[0].sqr() + v[1].sqr() + v[2].sqr()).sqrt()
 }
 
+/// A middle and a reach from it that hold all from `lo` to `hi`, in [0, 1].
+fn about(lo: &Dyadic, hi: &Dyadic) -> (f64, f64) {
+    let (from, to) = (lo.to_f64(), hi.to_f64());
+    // these are nearest to theirs, and the middle to its own: each is off by 2^-54 at most, half the length by as much
+    ((0.5 * (from + to)).clamp(0.0, 1.0), 0.5 * (to - from).abs() + f64::EPSILON)
+}
+
 /// The curvature of a segment, on arcs of it.
 pub(crate) struct Kappa<'a> {
     pub(crate) bezier: &'a Bezier,
@@ -105,10 +108,7 @@ impl<'a> Kappa<'a> {
         if lo == hi {
             return Exactly::at(self.bend, lo).root();
         }
-        let (from, to) = (lo.to_f64(), hi.to_f64());
-        // the ends are nearest to theirs, the middle is off by rounding
-        let half = 0.5 * (to - from).abs() + 4.0 * f64::EPSILON;
-        let middle = (0.5 * (from + to)).clamp(0.0, 1.0);
+        let (middle, half) = about(lo, hi);
         let Strips { a, b, w } = &self.strips;
         let first = over(&self.strips, a.ball(middle, half), b.ball(middle, half), w.ball(middle, half));
         if narrow(first) {
@@ -135,9 +135,8 @@ impl<'a> Kappa<'a> {
             return Exactly::at(self.bend, lo).is_zero();
         }
         // where b is 0 all its coordinates are
-        let (from, to) = (lo.to_f64(), hi.to_f64());
-        let half = 0.5 * (to - from).abs() + 4.0 * f64::EPSILON;
-        let near = self.strips.b.ball((0.5 * (from + to)).clamp(0.0, 1.0), half);
+        let (middle, half) = about(lo, hi);
+        let near = self.strips.b.ball(middle, half);
         if near.iter().any(|x| !x.contains(0.0)) {
             return false;
         }

@@ -271,7 +271,7 @@ impl Search<'_, '_> {
             }
             // the steps shrink to their squares, times a constant that these two tell
             let now = length(&last);
-            if now <= 1e-13 || now.powi(3) <= 1e-14 * before * before {
+            if now <= 1e-13 || now.powi(3) <= 1e-17 * before * before {
                 break;
             }
         }
@@ -437,7 +437,8 @@ impl Search<'_, '_> {
             let by = Field::of_strands(&x, &y).estimate()?;
             at = [0, 1].map(|k| {
                 let moved = at[k].sub(&step(reach[k])).add(&Dyadic::from_f64(by[k]));
-                truncated(&moved, 80)
+                // nearest: a pair on a knot stays there
+                truncated(&moved.add(&step(81)), 80)
             });
         }
         let asked = [0, 1].map(|k| 1 - decompose_exponent(0.44 * self.width[cells[k].segment]));

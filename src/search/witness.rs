@@ -1,7 +1,7 @@
 //! Exact upper bounds: the witnesses W1 to W3 of theory.md, section 2. Candidates come as f64; what is returned was checked
 //! in integers.
 
-use super::curvature::Peak;
+use super::curvature::{Peak, kappa_sq};
 use super::dyadic::{Dyadic, cross3, decompose_exponent, dot3, least_f64, ratio, rounded_quotient, step, truncated};
 use super::ends::Contact;
 use super::frame::{At, ExactForms, Frame};
@@ -170,21 +170,16 @@ impl<'f> Exact<'f> {
 
     /// W1: the least f64 radius R with kappa(t)^2 >= 1/R^2, at the peak or at a simple parameter next to it.
     pub(crate) fn curved(&mut self, peak: &Peak) -> Option<Witness> {
-        let simple = ldexp(ldexp(peak.t, 20).round(), -20);
-        let found = [simple, peak.t].map(|t| self.curved_at(&Peak { t, ..*peak }));
-        found.into_iter().flatten().min_by(|a, b| a.radius.total_cmp(&b.radius))
-    }
-
-    fn curved_at(&mut self, peak: &Peak) -> Option<Witness> {
-        let at = At::near((peak.segment, peak.t));
-        let a = self.hodograph(&at);
-        let (forms, b) = self.span(at.segment);
-        let (b, w) = (b.each_ref().map(|b| b.at(&at.t)), forms.w.at(&at.t));
-        let a2 = dot3(&a, &a);
-        let left = a2.sqr().mul(&a2);
-        let right = dot3(&b, &b).mul(&w.sqr().mul(&w).sqr());
-        let radius = least_f64(peak.radius, |r| left.cmp(&r.sqr().mul(&right)).is_le())?;
-        Some(Witness { radius, s: None, t: at, x: None, valleys: [None, None] })
+        let (forms, b) = self.span(peak.segment);
+        let rounded = |bits| ldexp(ldexp(peak.t, bits).round(), -bits);
+        let places =
+            [peak.t, rounded(20), rounded(8)].map(|t| (t, kappa_sq(&forms.a, b, &forms.w, &Dyadic::from_f64(t))));
+        let most = |(_, [num, den]): &(f64, [Dyadic; 2]), (_, [other, per]): &(f64, [Dyadic; 2])| {
+            num.mul(per).cmp(&other.mul(den))
+        };
+        let (t, [num, den]) = places.into_iter().max_by(most)?;
+        let radius = least_f64(peak.radius, |r| den.cmp(&r.sqr().mul(&num)).is_le())?;
+        Some(Witness { radius, s: None, t: At::near((peak.segment, t)), x: None, valleys: [None, None] })
     }
 
     /// W2 at an end of the spine and a point: rho(e, t)^2 is rational, no root is needed.
