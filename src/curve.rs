@@ -92,8 +92,7 @@ impl Curve {
         let points = control_points.len();
         check_lengths(degree, points, weights.as_ref().map(Vec::len), knots.as_ref().map(Vec::len))?;
         let weights = weights.unwrap_or_else(|| vec![Rational::one(); points]);
-        let knots =
-            knots.unwrap_or_else(|| [Rational::zero(), Rational::one()].map(|end| vec![end; degree + 1]).concat());
+        let knots = knots.unwrap_or_else(|| [Rational::zero(), Rational::one()].map(|x| vec![x; degree + 1]).concat());
         if !knots_fit(degree, points, &knots) {
             return Err(reading::wrong_knots(degree, points, &knots));
         }

@@ -18,6 +18,7 @@ pub(super) const DEPTH: usize = 512;
 /// The halves of so many pieces are kept for the next pair that may want them.
 const KEPT: usize = 2048;
 
+type Lines = [Vec<BigInt>; 4];
 /// Consecutive spans, or a part of one span.
 pub(super) type Arc = Rc<[Rc<Piece>]>;
 
@@ -120,11 +121,10 @@ pub(super) struct Spine {
 
 impl Spine {
     pub(super) fn of(curve: &Curve) -> Self {
-        let span = |(k, [x, y, z, w]): (usize, [Vec<BigInt>; 4])| {
+        let span = |(k, [x, y, z, mut w]): (usize, Lines)| {
             // a first weight of 0 makes all 0, which `curved` finds
             let sign = w.first().map(BigInt::signum).unwrap_or_default();
-            let constant = w.iter().zip(w.iter().skip(1)).all(|(v, w)| v == w);
-            let w = if constant { w.into_iter().take(1).collect() } else { w };
+            w.truncate(if w.iter().all(|v| w.first() == Some(v)) { 1 } else { w.len() });
             let [x, y, z, w] = [x, y, z, w].map(|c| Poly::bernstein(c).scaled(&sign));
             Piece::new(BigInt::from(k) << DEPTH, BigInt::from(k + 1) << DEPTH, [x, y, z], w)
         };
@@ -179,51 +179,46 @@ impl Spine {
 }
 
 /// The homogeneous control points of each span, x, y, z, w apart, as integers.
-fn bezier(curve: &Curve) -> impl Iterator<Item = [Vec<BigInt>; 4]> {
-    let n = curve.degree();
+fn bezier(curve: &Curve) -> impl Iterator<Item = Lines> {
+    let (n, points) = (curve.degree(), curve.control_points().iter().zip(curve.weights()));
+    let points: Vec<_> = points.flat_map(|([x, y, z], w)| [x * w, y * w, z * w, w.clone()]).collect();
     (n..curve.control_points().len()).filter_map(move |k| {
         // the knots round the span, and the points that count there
         let (below, above) = (curve.knots().get(k + 1 - n..=k)?, curve.knots().get(k + 1..=k + n)?);
-        let (points, weights) = (curve.control_points().get(k - n..=k)?, curve.weights().get(k - n..=k)?);
-        let (start, end) = (below.last()?, above.first()?);
-        let line = |of: fn(&[Rational; 3], &Rational) -> Rational| {
-            // the coefficients over the knots start, ..., start and those above; then over start, ..., start, end, ..., end
-            let all = points.iter().zip(weights).map(|(point, w)| of(point, w)).collect();
-            let mut half = blossoms(all, below, above, start, <[_]>::last);
-            half.reverse();
-            blossoms(half, &vec![start.clone(); n], above, end, <[_]>::first)
-        };
-        if same(start, end) {
-            return None;
-        }
-        let lines =
-            [line(|[x, ..], w| x * w), line(|[_, y, _], w| y * w), line(|[.., z], w| z * w), line(|_, w| w.clone())];
-        let common = lines.iter().flatten().fold(BigInt::one(), |common, c| common.lcm(c.denom()));
-        Some(lines.map(|line| line.iter().map(|c| c.numer() * (&common / c.denom())).collect()))
+        let (start, end) = Some((below.last()?, above.first()?)).filter(|(start, end)| !same(start, end))?;
+        let (points, _) = integers(points.get(4 * (k - n)..4 * k + 4)?);
+        let lines = [0, 1, 2, 3].map(|k| points.iter().skip(k).step_by(4).cloned().collect());
+        // the coefficients over the knots start, ..., start and those above; then over start, ..., start, end, ..., end
+        let mut half = blossoms(lines, below, above, start, true);
+        half.iter_mut().for_each(|line| line.reverse());
+        let lines = blossoms(half, &vec![start.clone(); n], above, end, false);
+        let common = lines.iter().flatten().fold(BigInt::zero(), |common, c| common.gcd(c)).max(BigInt::one());
+        Some(lines.map(|line| line.iter().map(|c| c / &common).collect()))
     })
 }
 
+/// These, times their least common denominator, and that.
+fn integers(numbers: &[Rational]) -> (Vec<BigInt>, BigInt) {
+    let common = numbers.iter().fold(BigInt::one(), |common, x| common.lcm(x.denom()));
+    (numbers.iter().map(|x| x.numer() * (&common / x.denom())).collect(), common)
+}
+
 /// An edge of de Boor's triangle over n knots below and n above a span: its number k is the blossom at k times x and the
-/// n - k knots next to the span on the side of the edge.
-fn blossoms(
-    mut points: Vec<Rational>,
-    below: &[Rational],
-    above: &[Rational],
-    x: &Rational,
-    edge: fn(&[Rational]) -> Option<&Rational>,
-) -> Vec<Rational> {
-    let mut found = vec![];
+/// n - k knots next to the span on the side of the edge. All is times one number > 0.
+fn blossoms(mut lines: Lines, below: &[Rational], above: &[Rational], x: &Rational, last: bool) -> Lines {
+    let mut found = Lines::default();
     for level in 0..=above.len() {
-        found.extend(edge(&points).cloned());
-        let around = below.iter().skip(level).zip(above);
-        let next = points.iter().zip(points.iter().skip(1)).zip(around).map(|((p, q), (low, high))| {
-            // at an end of the interval nothing is computed: the common case, and exact numbers grow
-            if same(x, high) {
-                return q.clone();
-            }
-            if same(x, low) || same(p, q) { p.clone() } else { p + (q - p) * ((x - low) / (high - low)) }
+        found.iter_mut().zip(&lines).for_each(|(f, l)| f.extend(if last { l.last() } else { l.first() }.cloned()));
+        let minus = |p: &Rational, q: &Rational| p.numer() * q.denom() - q.numer() * p.denom();
+        let share = |(low, high): (&Rational, &Rational)| {
+            Rational::new(minus(x, low) * high.denom(), minus(high, low) * x.denom())
+        };
+        let (shares, common) = integers(&below.iter().skip(level).zip(above).map(share).collect::<Vec<_>>());
+        found.iter_mut().flatten().for_each(|c| *c *= &common);
+        lines = lines.map(|line| {
+            let pairs = line.iter().zip(line.iter().skip(1));
+            pairs.zip(&shares).map(|((p, q), share)| p * &common + (q - p) * share).collect()
         });
-        points = next.collect();
     }
     found
 }

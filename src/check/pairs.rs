@@ -177,8 +177,8 @@ impl<'a> Line<'a> {
             let over = |bound: &Rational| {
                 let (num, den) = (bound.numer().pow(2), bound.denom().pow(2));
                 let ends = [p.rr.scaled(&den), p.ww.scaled(&den), p.ww.scaled(&-num)];
-                let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&den * -2))), q.rw.each_ref());
-                paired(ends, [&q.ww, &q.rr, &q.ww]).plus(mixed).flat()
+                let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&den * -2))).each_ref(), q.rw.each_ref());
+                paired(ends.each_ref(), [&q.ww, &q.rr, &q.ww]).plus(mixed).flat()
             };
             let less = |lo: &Rational| lo.is_positive() && over(lo).0.iter().any(Signed::is_negative);
             check(!less(lo), "a distance is less than claimed")?;
@@ -210,8 +210,8 @@ fn field(line: &Line, [s, t]: &Square, forms: impl Fn(&Part, &Part) -> [Net; 2])
 /// D.a(s) and -D.a(t).
 fn tilts(x: &Part, y: &Part) -> [Net; 2] {
     let (p, q, both) = (&x.piece, &y.piece, &x.point * &y.point);
-    let of_s = Net::of(paired(p.products().tilt.clone(), q.point()), &both * &x.tangent);
-    [of_s, Net::of(paired(p.point().map(Poly::clone), q.products().tilt.each_ref()), both * &y.tangent)]
+    let of_s = Net::of(paired(p.products().tilt.each_ref(), q.point()), &both * &x.tangent);
+    [of_s, Net::of(paired(p.point(), q.products().tilt.each_ref()), both * &y.tangent)]
 }
 
 /// D, one coordinate being constant along the spine, vanishes in a square, so it does at the pair that is alone there.
@@ -224,7 +224,7 @@ fn touches(line: &Line, square: &Square) -> Result<(), Why> {
     let gap = |k: usize, x: &Part, y: &Part| {
         let (p, q) = (&x.piece, &y.piece);
         let [r, u] = [&p.r, &q.r].map(|r| r.get(k).cloned().unwrap_or_default());
-        Net::of(paired([r, p.w.scaled(&BigInt::from(-1))], [&q.w, &u]), &x.point * &y.point)
+        Net::of(paired([&r, &p.w.scaled(&BigInt::from(-1))], [&q.w, &u]), &x.point * &y.point)
     };
     let field = field(line, square, |x, y| [gap(i, x, y), gap(j, x, y)])?;
     check(field.vanishes(), "the spine may not touch itself there")

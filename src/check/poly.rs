@@ -140,9 +140,9 @@ impl Poly<Poly> {
 }
 
 /// The sum of the products f(s) g(t).
-pub(super) fn paired<const N: usize>(f: [Poly; N], g: [&Poly; N]) -> Poly<Poly> {
+pub(super) fn paired<const N: usize>(f: [&Poly; N], g: [&Poly; N]) -> Poly<Poly> {
     let product = |(f, g): (&Poly, &Poly)| Poly(f.0.iter().map(|c| g.scaled(c)).collect());
-    f.iter().zip(g).map(product).reduce(Poly::plus).unwrap_or_default()
+    f.into_iter().zip(g).map(product).reduce(Poly::plus).unwrap_or_default()
 }
 
 pub(super) fn dot([x, y, z]: &Vector, [u, v, w]: &Vector) -> Poly {

@@ -7,7 +7,7 @@ use num_integer::Integer;
 use num_traits::{One, Zero};
 
 use super::arc::Piece;
-use super::poly::{Poly, cross, dot, paired};
+use super::poly::{Poly, Vector, cross, dot, paired};
 use crate::number::{Rational, compare};
 
 /// Why a condition is not true.
@@ -41,14 +41,18 @@ fn square(g: &[i64; 3]) -> BigInt {
     g.iter().map(|c| BigInt::from(*c).pow(2)).sum()
 }
 
+/// The coefficients of v.g.
+fn along([x, y, z]: &Vector, [g, h, k]: &[i64; 3]) -> impl Iterator<Item = BigInt> {
+    x.0.iter().zip(&y.0).zip(&z.0).map(move |((x, y), z)| x * g + y * h + z * k)
+}
+
 /// All tangents of these pieces are within 45 degrees of `g`.
 pub(super) fn cone(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<(), Why> {
-    let (gg, axis) = (square(g), g.map(Poly::constant));
-    for piece in pieces {
-        let ([x, y, z], along) = (piece.a(), dot(piece.a(), &axis));
-        let mut vectors = x.0.iter().zip(&y.0).zip(&z.0).zip(&along.0);
+    let gg = square(g);
+    for a @ [x, y, z] in pieces.iter().map(|piece| piece.a()) {
+        let mut vectors = x.0.iter().zip(&y.0).zip(&z.0).zip(along(a, g));
         let inside = vectors.all(|(((x, y), z), along)| {
-            along.sign() == Sign::Plus && (along * along) << 1_u8 > (x * x + y * y + z * z) * &gg
+            along.sign() == Sign::Plus && (&along * &along) << 1_u8 > (x * x + y * y + z * z) * &gg
         });
         check(inside, "a tangent is not within 45 degrees of the axis")?;
     }
@@ -58,8 +62,7 @@ pub(super) fn cone(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<(), Why> {
 /// g.p of the control points p.
 fn heights(pieces: &[Rc<Piece>], g: &[i64; 3]) -> Result<Vec<Rational>, Why> {
     check(pieces.iter().all(|piece| piece.w.is_positive()), WEIGHTS)?;
-    let axis = g.map(Poly::constant);
-    let fractions = pieces.iter().flat_map(|piece| dot(&piece.r, &axis).0.into_iter().zip(piece.full_weight().0));
+    let fractions = pieces.iter().flat_map(|piece| along(&piece.r, g).zip(piece.full_weight().0));
     Ok(fractions.map(|(num, den)| Rational::new_raw(num, den)).collect())
 }
 
@@ -82,10 +85,13 @@ fn first_weights(a: &Piece, b: &Piece) -> [BigInt; 2] {
 /// x D.a(s) + y D.a(t), x and y squared weights apart. D.a(t) = r(s).(w a)(t) - w(s) (r.a)(t).
 pub(super) fn side(a: &Piece, b: &Piece, fields: [i64; 2]) -> Result<(), Why> {
     let ([x, y], [v, w]) = (fields.map(BigInt::from), first_weights(a, b));
-    let (of_s, of_t) = (x * &w * &w, -y * &v * &v);
-    let first = paired(a.products().tilt.each_ref().map(|f| f.scaled(&of_s)), b.point());
-    let sum = first.plus(paired(a.point().map(|f| f.scaled(&of_t)), b.products().tilt.each_ref())).flat();
-    check(sum.has_sign(Sign::Plus) || sum.has_sign(Sign::Minus), "the coefficients have no strict common sign")
+    let strict = |form: Poly| form.has_sign(Sign::Plus) || form.has_sign(Sign::Minus);
+    let all = |f: [&Poly; 4], of: BigInt, g| paired(f.map(|f| f.scaled(&of)).each_ref(), g);
+    let (tilt, other) = (a.products().tilt.each_ref(), b.products().tilt.each_ref());
+    // one field alone: in the degree of both strict signs are kept
+    let fine = y.is_zero() && !x.is_zero() && strict(paired(tilt, b.point()).flat())
+        || strict(all(tilt, x * &w * &w, b.point()).plus(all(a.point(), -y * &v * &v, other)).flat());
+    check(fine, "the coefficients have no strict common sign")
 }
 
 /// The form of `bent` times a positive number.
@@ -111,16 +117,16 @@ pub(super) fn bent(a: &Piece, b: &Piece, fields: [i64; 6], r: &Rational) -> Resu
     let plain = (&top * &bottom) << (4 * UNIT + 2);
     let (square, disks) = (&plain * r.denom(), (&plain * r.numer()) << 2_u8);
     let ends = [p.ww.scaled(&square), p.rr.scaled(&square), p.ww.scaled(&-disks)];
-    let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&square * -2))), q.rw.each_ref());
-    let distance = mixed.plus(paired(ends, [&q.rr, &q.ww, &q.ww]));
+    let mixed = paired(p.rw.each_ref().map(|f| f.scaled(&(&square * -2))).each_ref(), q.rw.each_ref());
+    let distance = mixed.plus(paired(ends.each_ref(), [&q.rr, &q.ww, &q.ww]));
     // k (x - s) .. D.a(s) and 1/k (t - y) .. D.a(t) = (y - t) .. (w(s) (r.a)(t) - r(s).(w a)(t))
     let of_s = own(&x, &g, &u).scaled(&(&top * &top * r.denom()));
     let of_t = own(&y, &h, &v).scaled(&(&bottom * &bottom * r.denom()));
     let (of_a, of_b) = (weight(a, &u), weight(b, &v));
     let point = b.point().map(|g| g.times(&of_b));
-    let first = paired(p.tilt.each_ref().map(|f| f.times(&of_s)), point.each_ref());
+    let first = paired(p.tilt.each_ref().map(|f| f.times(&of_s)).each_ref(), point.each_ref());
     let tilt = q.tilt.each_ref().map(|g| g.times(&of_t));
-    let second = paired(a.point().map(|f| f.times(&of_a)), tilt.each_ref());
+    let second = paired(a.point().map(|f| f.times(&of_a)).each_ref(), tilt.each_ref());
     Ok(distance.plus(first).plus(second).flat())
 }
 
