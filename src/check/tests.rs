@@ -576,6 +576,34 @@ proptest! {
         }
     }
 
+    /// What `side` accepts has one strict sign by its definition; one field alone is enough, none is not.
+    #[test]
+    fn one_side(parts in 2_usize..6, turns in any::<[bool; 6]>(), fields in [-2_i64..3, -2..3], rational in any::<bool>()) {
+        let spine = Spine::of(&file(if rational { "m98_5_3" } else { "m98_5_2" }));
+        let [mut a, mut b] = spine.halves(&spine.spans).unwrap();
+        for turn in &turns[..parts] {
+            let half = |arc: &Arc, k: bool| spine.halves(arc).unwrap()[usize::from(k)].clone();
+            (a, b) = (half(&a, *turn), half(&b, !*turn));
+        }
+        let (a, b) = (&a[0], &b[0]);
+        let weight = |piece: &Piece| Rational::from_integer(piece.w.0[0].clone());
+        let [x, y] = fields.map(|k| Rational::from_integer(k.into()));
+        let at = |s: i64, t: i64| {
+            let [s, t] = [s, t].map(|t| Rational::new(t.into(), 4.into()));
+            let point = |piece: &Piece, t: &Rational| [0, 1, 2].map(|i| value(&piece.r[i], t) / value(&piece.w, t));
+            let (p, o) = (point(a, &s), point(b, &t));
+            let d = [0, 1, 2].map(|i| &p[i] - &o[i]);
+            // up to v(s) w(t)
+            let [of_s, of_t] = [(a, &s), (b, &t)].map(|(piece, t)| dotted(&d, &hodograph(piece, t)));
+            (&x * weight(b).pow(2) * of_s + &y * weight(a).pow(2) * of_t).cmp(&Rational::zero())
+        };
+        let signs: Vec<_> = (0..=4).flat_map(|s| (0..=4).map(move |t| (s, t))).map(|(s, t)| at(s, t)).collect();
+        let one = signs[0].is_ne() && signs.iter().all(|sign| *sign == signs[0]);
+        prop_assert!(one || rules::side(a, b, fields).is_err());
+        let plain = rules::side(a, b, [1, 0]).is_ok() && fields[0] != 0 && fields[1] == 0;
+        prop_assert!(!plain || rules::side(a, b, fields).is_ok());
+    }
+
     /// The forms of the rules against their definitions, on a rational and an integral arc.
     #[test]
     fn forms(
