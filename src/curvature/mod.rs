@@ -171,7 +171,7 @@ impl Inner {
         let kappa = if inflection {
             Enclosure::ZERO
         } else if zero.known {
-            enclosure(kappa.on(&zero.lo, &zero.hi, |kappa| enclosure(kappa).is_within(0.35 * widths.share)))
+            enclosure(kappa.on(&zero.lo, &zero.hi, |kappa, share| enclosure(kappa).is_within(share * widths.share)))
         } else {
             Enclosure { lo: 0.0, hi: kappa.at_most(&zero.lo, &zero.hi) }
         };

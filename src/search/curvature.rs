@@ -329,10 +329,10 @@ pub(super) fn kappa_sq(a: &Vec3<Int>, b: &Vec3<Int>, w: &Form<Int>, t: &Dyadic) 
 }
 
 /// 1/kappa from exact values, numerically.
-fn exact_radius(bezier: &Bezier) -> impl Fn(f64) -> f64 {
+fn exact_radius(bezier: &Bezier) -> impl Fn(&Dyadic) -> f64 {
     let (forms, b) = (bezier.forms(), bezier.binormal());
     move |t| {
-        let [num, den] = kappa_sq(&forms.a, &b, &forms.w, &Dyadic::from_f64(t));
+        let [num, den] = kappa_sq(&forms.a, &b, &forms.w, t);
         ratio(&den, &num).sqrt()
     }
 }
@@ -367,7 +367,8 @@ impl Search<'_> {
         let mut radius = strips.radius_at(t).min(least);
         if length(&strips.a.at(t)) < 1e10 * strips.a.rad || length(&strips.b.at(t)) < 1e10 * strips.b.rad {
             // small against their rounding here
-            let exact = golden(exact_radius(&self.frame.segments[segment]), t, h);
+            let radius_at = exact_radius(&self.frame.segments[segment]);
+            let exact = golden(|t| radius_at(&Dyadic::from_f64(t)), t, h);
             (t, radius) = if exact.1.is_finite() { exact } else { (t, radius) };
         }
         if radius * (1.0 - self.margin) < self.radius && radius > 0.0 {
@@ -381,15 +382,20 @@ impl Search<'_> {
         if strips.floor() > self.radius {
             return true;
         }
-        let [from, to] = [&cell.from, &cell.to].map(Dyadic::to_f64);
-        let h = to - from;
-        for (end, t) in [(0, from), (strips.a.c.len() - 1, to)] {
+        let h = cell.to.sub(&cell.from).to_f64();
+        for (end, place) in [(0, &cell.from), (strips.a.c.len() - 1, &cell.to)] {
             let last = |n: usize| if end == 0 { 0 } else { n - 1 };
             let (a, b, w) = (&strips.a.c, &strips.b.c, &strips.w.c);
             let here = strips.radius(length(&a[last(a.len())]), length(&b[last(b.len())]), w[last(w.len())][0]);
-            // a value that rounding has eaten tells nothing
-            if here < self.radius && length(&a[last(a.len())]) > 1e6 * strips.a.rad {
-                self.climb(segment, t, h);
+            if here < self.radius {
+                // places of f64 may all be beside the peak; and rounding may have eaten the value here
+                let exact = exact_radius(&self.frame.segments[segment])(place);
+                if exact < self.radius || length(&a[last(a.len())]) > 1e6 * strips.a.rad {
+                    self.climb(segment, place.to_f64(), h);
+                }
+                if exact > f64::MIN_POSITIVE {
+                    self.radius = self.radius.min(exact * (1.0 - self.margin));
+                }
             }
         }
         let [w] = strips.w.forms();

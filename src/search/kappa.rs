@@ -103,22 +103,22 @@ impl<'a> Kappa<'a> {
         Self { bezier, bend, strips: Strips::of(&bend.a, &bend.b, &bend.w) }
     }
 
-    /// kappa on all of the arc; `narrow` tells whether that will do.
-    pub(crate) fn on(&self, lo: &Dyadic, hi: &Dyadic, narrow: impl Fn(Interval) -> bool) -> Interval {
+    /// kappa on all of the arc; `narrow` tells whether a share of the width that is asked is reached.
+    pub(crate) fn on(&self, lo: &Dyadic, hi: &Dyadic, narrow: impl Fn(Interval, f64) -> bool) -> Interval {
         if lo == hi {
             return Exactly::at(self.bend, lo).root();
         }
         let (middle, half) = about(lo, hi);
         let Strips { a, b, w } = &self.strips;
         let first = over(&self.strips, a.ball(middle, half), b.ball(middle, half), w.ball(middle, half));
-        if narrow(first) {
+        if narrow(first, 0.1) {
             return first;
         }
         let arc = Bend::new(&self.bezier.arc(lo, hi));
         let strips = Strips::of(&arc.a, &arc.b, &arc.w);
         let second = over(&strips, strips.a.hull(), strips.b.hull(), strips.w.hull());
         let both = Interval::new(first.lo().max(second.lo()), first.hi().min(second.hi()));
-        if narrow(both) { both } else { exactly_over(&arc) }
+        if narrow(both, 0.35) { both } else { exactly_over(&arc) }
     }
 
     /// No curvature of the arc, which may be long, is greater; infinite if that is not known.

@@ -10,7 +10,7 @@ use super::dyadic::{Dyadic, decompose_exponent, ratio, step, truncated};
 use super::evidence::axis_of;
 use super::frame::{At, Frame};
 use super::meter::Meter;
-use super::newton::{Step, newton_step};
+use super::newton::newton_step;
 use super::rules::{Gap, Model, bulge, one_side, sides, tilted};
 use super::stationary::{Field, Net, distance_exactly, distance_over};
 use super::strand::{Strand, strand_beyond};
@@ -261,18 +261,14 @@ impl Search<'_, '_> {
         if !promising || self.claimed([x.segment as f64 + p, y.segment as f64 + q]) {
             return None;
         }
-        let length = |step: &Step| (step.ds.abs() / hs).max(step.dt.abs() / ht);
         for _ in 0..8 {
-            let before = length(&last);
+            if last.ds.abs() <= 1e-13 * hs && last.dt.abs() <= 1e-13 * ht {
+                break;
+            }
             last = at(p, q)?;
             (p, q) = (p + last.ds, q + last.dt);
             if !near(p - s, q - t) {
                 return None;
-            }
-            // the steps shrink to their squares, times a constant that these two tell
-            let now = length(&last);
-            if now <= 1e-13 || now.powi(3) <= 1e-17 * before * before {
-                break;
             }
         }
         if self.met([x.segment as f64 + p, y.segment as f64 + q]) {
@@ -437,8 +433,7 @@ impl Search<'_, '_> {
             let by = Field::of_strands(&x, &y).estimate()?;
             at = [0, 1].map(|k| {
                 let moved = at[k].sub(&step(reach[k])).add(&Dyadic::from_f64(by[k]));
-                // nearest: a pair on a knot stays there
-                truncated(&moved.add(&step(81)), 80)
+                truncated(&moved, 80)
             });
         }
         let asked = [0, 1].map(|k| 1 - decompose_exponent(0.44 * self.width[cells[k].segment]));
