@@ -22,7 +22,7 @@ const BITS: i64 = 48;
 const PLACES: [i64; 7] = [8, 7, 9, 5, 11, 3, 13];
 /// So often a cell is made anew from the exact polynomial inside one that was; each time it can be 2^-20 as wide.
 const LEVELS: u32 = 4;
-/// Where N is at hand in integers, zeros are enclosed to this share of the segment.
+/// Where N is at hand in integers, a simple zero is sought to this share of the segment.
 const FINEST: f64 = 1.0 / (1_u64 << 56) as f64;
 /// Square-free factors of polynomials of a higher degree take too long: their multiple zeros stay undecided.
 const MAX_FACTORED: usize = 160;
@@ -376,7 +376,8 @@ impl Search<'_> {
             let x = near.root(before.is_lt(), row);
             let [p, q] = near.bracket(x, [before, after], row);
             place = (between(&place, p), between(&place, q));
-            if length(&place) <= if self.exact.is_some() { self.width.min(FINEST) } else { 0.4 * self.width } {
+            let wanted = if self.exact.is_some() { self.width.min(FINEST) } else { 0.4 * self.width };
+            if length(&place) <= wanted {
                 break;
             }
             near = anew(self.exact.ok_or(Unclear)?, &place);
