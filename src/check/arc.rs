@@ -18,9 +18,9 @@ pub(super) const DEPTH: usize = 512;
 /// The halves of so many pieces are kept for the next pair that may want them.
 const KEPT: usize = 2048;
 
-type Lines = [Vec<BigInt>; 4];
 /// Consecutive spans, or a part of one span.
 pub(super) type Arc = Rc<[Rc<Piece>]>;
+type Lines = [Vec<BigInt>; 4];
 
 /// A span or a part of one. All is up to one positive factor.
 pub(super) struct Piece {
@@ -192,7 +192,9 @@ fn bezier(curve: &Curve) -> impl Iterator<Item = Lines> {
         let mut half = blossoms(lines, below, above, start, true);
         half.iter_mut().for_each(|line| line.reverse());
         let lines = blossoms(half, &vec![start.clone(); n], above, end, false);
-        let common = lines.iter().flatten().fold(BigInt::zero(), |common, c| common.gcd(c)).max(BigInt::one());
+        // remainders first: a gcd of numbers of very different lengths is slow
+        let numbers = lines.iter().flatten().filter(|c| !c.is_zero()).cloned();
+        let common = numbers.reduce(|common, c| common.gcd(&(c % &common))).unwrap_or_else(BigInt::one);
         Some(lines.map(|line| line.iter().map(|c| c / &common).collect()))
     })
 }
@@ -210,9 +212,7 @@ fn blossoms(mut lines: Lines, below: &[Rational], above: &[Rational], x: &Ration
     for level in 0..=above.len() {
         found.iter_mut().zip(&lines).for_each(|(f, l)| f.extend(if last { l.last() } else { l.first() }.cloned()));
         let minus = |p: &Rational, q: &Rational| p.numer() * q.denom() - q.numer() * p.denom();
-        let share = |(low, high): (&Rational, &Rational)| {
-            Rational::new(minus(x, low) * high.denom(), minus(high, low) * x.denom())
-        };
+        let share = |(low, up): (&_, &Rational)| Rational::new(minus(x, low) * up.denom(), minus(up, low) * x.denom());
         let (shares, common) = integers(&below.iter().skip(level).zip(above).map(share).collect::<Vec<_>>());
         found.iter_mut().flatten().for_each(|c| *c *= &common);
         lines = lines.map(|line| {

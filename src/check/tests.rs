@@ -576,6 +576,54 @@ proptest! {
         }
     }
 
+    /// The spans against the basis functions of Cox and de Boor, up to one factor > 0 for all of a span: knots that are
+    /// multiple and not clamped, weights of any sign but the first of a span, which the sign of all makes > 0.
+    #[test]
+    fn spans(
+        degree in 1_usize..5,
+        steps in prop::collection::vec((0_i64..3, 1_i64..4), 16),
+        numbers in prop::collection::vec((-9_i64..10, 1_i64..8), 6 * 4),
+    ) {
+        let mut knots = vec![Rational::zero()];
+        for (step, per) in &steps[..6 + degree] {
+            knots.push(knots.last().unwrap() + Rational::new((*step).into(), (*per).into()));
+        }
+        let number = |i: usize| Rational::new(numbers[i].0.into(), numbers[i].1.into());
+        let points: Vec<[Rational; 3]> = (0..6).map(|i| [0, 1, 2].map(|k| number(4 * i + k))).collect();
+        let weights: Vec<Rational> = (0..6).map(|i| number(4 * i + 3)).collect();
+        let made = Curve::new(degree, points.clone(), Some(weights.clone()), Some(knots.clone()));
+        let Ok(curve) = made else { return Ok(()) }; // too many knots at one place
+        let spine = Spine::of(&curve);
+        let real = |k: &usize| knots[*k] != knots[k + 1];
+        prop_assert_eq!(spine.spans.len(), (degree..6).filter(real).count());
+        for (piece, k) in spine.spans.iter().zip((degree..6).filter(real)) {
+            // a first weight of 0 makes all 0
+            if piece.point().iter().all(|f| f.is_zero()) {
+                continue;
+            }
+            let mut factor: Option<Rational> = None;
+            for t in 0..=4 {
+                let t = Rational::new(t.into(), 4.into());
+                let at = &knots[k] + &t * (&knots[k + 1] - &knots[k]);
+                let mut wanted = [0; 4].map(|_| Rational::zero());
+                for (i, ([x, y, z], w)) in points.iter().zip(&weights).enumerate() {
+                    let basis = basis(&knots, i, degree, k, &at);
+                    for (sum, c) in wanted.iter_mut().zip([x * w, y * w, z * w, w.clone()]) {
+                        *sum += c * &basis;
+                    }
+                }
+                for (found, wanted) in piece.point().map(|f| value(f, &t)).into_iter().zip(wanted) {
+                    prop_assert_eq!(found.is_zero(), wanted.is_zero());
+                    if !wanted.is_zero() {
+                        let ratio = found / wanted;
+                        prop_assert_eq!(factor.get_or_insert_with(|| ratio.clone()), &ratio);
+                    }
+                }
+            }
+            prop_assert!(piece.w.0[0] > BigInt::zero());
+        }
+    }
+
     /// What `side` accepts has one strict sign by its definition; one field alone is enough, none is not.
     #[test]
     fn one_side(parts in 2_usize..6, turns in any::<[bool; 6]>(), fields in [-2_i64..3, -2..3], rational in any::<bool>()) {
@@ -686,6 +734,18 @@ proptest! {
         let wanted = &a6 * (Rational::one() - &radius * &radius * kappa);
         prop_assert_eq!(form, wanted * Rational::from_integer(r.denom().clone()));
     }
+}
+
+/// The basis function number `i` of a degree at t, in the span that begins at knot `k`.
+fn basis(knots: &[Rational], i: usize, degree: usize, k: usize, t: &Rational) -> Rational {
+    if degree == 0 {
+        return if i == k { Rational::one() } else { Rational::zero() };
+    }
+    let part = |low: usize, of: usize, sign: &Rational| {
+        let length = &knots[of + degree] - &knots[of];
+        if length.is_zero() { length } else { sign * (t - &knots[low]) / length * basis(knots, of, degree - 1, k, t) }
+    };
+    part(i, i, &Rational::one()) + part(i + degree + 1, i + 1, &-Rational::one())
 }
 
 /// The value of the sum of c_i t^i (1-t)^(n-i).
