@@ -150,7 +150,7 @@ impl Arc {
             let Course::Varying { ends: found, zeros } = course(&bend, width, meter) else { break };
             ends = found.map(Some);
             inner = zeros.into_iter().map(|zero| Inner::new(&kappa, zero, widths)).collect();
-            // a small curvature wants a shorter arc; what f64 tells just so, integers tell far more narrowly
+            // a small curvature wants a shorter arc
             let narrow = |i: &Inner| !i.zero.known || i.kappa.is_within(0.4 * widths.share);
             if meter.stopped.is_some() || inner.iter().all(narrow) {
                 break;

@@ -2,7 +2,7 @@
 //! cells of a dyadic partition (theory.md, section 3). No root is isolated, so circles and clusters are no special case.
 
 use super::dyadic::{Dyadic, dot3, ratio};
-use super::frame::Frame;
+use super::frame::{ExactForms, Frame};
 use super::meter::Meter;
 use crate::bernstein::{Form, Scalar, UNIT, Vec3, binomial_error, binomials, dot};
 use crate::enclosure::Interval;
@@ -265,7 +265,7 @@ pub(crate) fn straight(frame: &Frame) -> bool {
 /// and the place.
 pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, Option<Peak>) {
     let spans = parallel::map(&frame.segments, Strips::new);
-    let mut search = Search { frame, spans: &spans, margin, radius: f64::MAX, peak: None };
+    let mut search = Search { frame, spans: &spans, margin, radius: f64::MAX, peak: None, exact: None };
     for segment in 0..spans.len() {
         search.sample(segment);
     }
@@ -328,24 +328,27 @@ pub(super) fn kappa_sq(a: &Vec3<Int>, b: &Vec3<Int>, w: &Form<Int>, t: &Dyadic) 
     [square(b).mul(&w.sqr().mul(&w).sqr()), a.sqr().mul(&a)]
 }
 
-/// 1/kappa from exact values, numerically.
-fn exact_radius(bezier: &Bezier) -> impl Fn(&Dyadic) -> f64 {
-    let (forms, b) = (bezier.forms(), bezier.binormal());
-    move |t| {
-        let [num, den] = kappa_sq(&forms.a, &b, &forms.w, t);
-        ratio(&den, &num).sqrt()
-    }
-}
-
 struct Search<'a> {
     frame: &'a Frame,
     spans: &'a [Strips],
     margin: f64,
     radius: f64,
     peak: Option<Peak>,
+    /// a, w and b of the span that last asked for exact values.
+    exact: Option<(usize, ExactForms, Vec3<Int>)>,
 }
 
 impl Search<'_> {
+    /// 1/kappa from exact values, numerically.
+    fn exact_radius(&mut self, segment: usize, t: &Dyadic) -> f64 {
+        let bezier = &self.frame.segments[segment];
+        let last = self.exact.take().filter(|(of, ..)| *of == segment);
+        let exact = last.unwrap_or_else(|| (segment, bezier.forms(), bezier.binormal()));
+        let (_, forms, b) = self.exact.insert(exact);
+        let [num, den] = kappa_sq(&forms.a, b, &forms.w, t);
+        ratio(&den, &num).sqrt()
+    }
+
     /// Looks at a few points of a span, and climbs from the best.
     fn sample(&mut self, segment: usize) {
         let steps = 4 * self.frame.segments[segment].degree();
@@ -367,9 +370,10 @@ impl Search<'_> {
         let mut radius = strips.radius_at(t).min(least);
         if length(&strips.a.at(t)) < 1e10 * strips.a.rad || length(&strips.b.at(t)) < 1e10 * strips.b.rad {
             // small against their rounding here
-            let radius_at = exact_radius(&self.frame.segments[segment]);
-            let exact = golden(|t| radius_at(&Dyadic::from_f64(t)), t, h);
-            (t, radius) = if exact.1.is_finite() { exact } else { (t, radius) };
+            let exact = golden(|t| self.exact_radius(segment, &Dyadic::from_f64(t)), t, h);
+            if exact.1.is_finite() {
+                (t, radius) = exact;
+            }
         }
         if radius * (1.0 - self.margin) < self.radius && radius > 0.0 {
             self.radius = radius * (1.0 - self.margin);
@@ -389,8 +393,8 @@ impl Search<'_> {
             let here = strips.radius(length(&a[last(a.len())]), length(&b[last(b.len())]), w[last(w.len())][0]);
             if here < self.radius {
                 // places of f64 may all be beside the peak; and rounding may have eaten the value here
-                let exact = exact_radius(&self.frame.segments[segment])(place);
-                if exact < self.radius || length(&a[last(a.len())]) > 1e6 * strips.a.rad {
+                let exact = self.exact_radius(segment, place);
+                if self.radius > HOPELESS && (exact < self.radius || length(&a[last(a.len())]) > 1e6 * strips.a.rad) {
                     self.climb(segment, place.to_f64(), h);
                 }
                 if exact > f64::MIN_POSITIVE {
@@ -420,7 +424,7 @@ impl Search<'_> {
 }
 
 /// The least value of f near t (within h, inside [0, 1]) by golden section, ends included.
-pub(crate) fn golden(f: impl Fn(f64) -> f64, t: f64, h: f64) -> (f64, f64) {
+pub(crate) fn golden(mut f: impl FnMut(f64) -> f64, t: f64, h: f64) -> (f64, f64) {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let (mut lo, mut hi) = ((t - h).max(0.0), (t + h).min(1.0));
     let mut best = [lo, t, hi].map(|x| (x, f(x))).into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((t, f(t)));
