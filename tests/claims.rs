@@ -545,6 +545,29 @@ fn closed_segment_with_near_cusps() {
     assert!((answer.delta.hi - 1_624.906_6).abs() < 1e-3, "{answer:?}");
 }
 
+/// Waves of a plane spline, each with a near-cusp at its crest whose 1/kappa is 3/8 e^2 / (1 - e), below 1e-12 of the size.
+#[test]
+fn chain_of_near_cusps() {
+    let waves = 200;
+    let e = |wave: i64| q(1, 100_000 + 97 * wave);
+    let mut points = vec![plane(int(0), int(0))];
+    for wave in 0..waves {
+        let (a, side) = (int(1) - e(wave), int(1 - 2 * (wave % 2)));
+        points.push(plane(int(wave) + &a, &side * &a));
+        points.push(plane(int(wave + 1) - &a, side * a));
+        points.push(plane(int(wave + 1), int(0)));
+    }
+    let knots = (0..=waves).flat_map(|k| vec![int(k); if k == 0 || k == waves { 4 } else { 3 }]).collect();
+    let curve = Curve::new(3, points, None, Some(knots)).expect("a curve");
+    let spine = Spine::from_curve(curve).expect("a spine");
+    let answer = radius(&spine, &RadiusOptions::new().max_cells(CELLS)).expect("an answer");
+    let e = e(waves - 1);
+    let crest = q(3, 8) * &e * &e / (int(1) - e);
+    let (lo, hi) = (oracle::exact(answer.delta.lo), oracle::exact(answer.delta.hi));
+    assert!(lo <= crest && crest <= hi && answer.delta.is_within(WIDTH), "{answer:?}");
+    assert_eq!(answer.limited_by, LimitedBy::Curvature);
+}
+
 /// A needle: 1/kappa at its tip is far below the smallest f64, and the mean of the hodograph squares to 0 in f64.
 #[test]
 fn needles() {

@@ -12,9 +12,10 @@ use crate::spine::Bezier;
 
 /// Cells deeper than this are given up.
 const MAX_DEPTH: u32 = 400;
-/// In the unit box: a smaller radius may never be told from 0, and only so many cells are spent on it.
+/// In the unit box: a smaller radius may never be told from 0, and only so many cells are spent on it, for the spine and
+/// for each span.
 const HOPELESS: f64 = 1e-12;
-const PATIENCE: u32 = 2_000;
+const PATIENCE: [usize; 2] = [2_000, 64];
 
 /// A place of high curvature: 1/kappa there, numerically.
 #[derive(Debug, Clone, Copy)]
@@ -269,7 +270,7 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
     for segment in 0..spans.len() {
         search.sample(segment);
     }
-    let mut patience = PATIENCE;
+    let mut patience = PATIENCE[0] + PATIENCE[1] * spans.len();
     for (segment, span) in spans.iter().enumerate() {
         let bezier = &frame.segments[segment];
         let mut open = vec![Cell { strips: span.clone(), from: Dyadic::ZERO, to: Dyadic::ONE, depth: 0 }];
@@ -278,7 +279,7 @@ pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, 
             if search.closed(segment, &cell) {
                 continue;
             }
-            patience -= u32::from(search.radius < HOPELESS && patience > 0);
+            patience -= usize::from(search.radius < HOPELESS && patience > 0);
             if !meter.tick() || cell.depth >= MAX_DEPTH || patience == 0 {
                 search.radius = search.radius.min(cell.strips.floor());
                 continue;
@@ -394,7 +395,7 @@ impl Search<'_> {
             if here < self.radius {
                 // places of f64 may all be beside the peak; and rounding may have eaten the value here
                 let exact = self.exact_radius(segment, place);
-                if self.radius > HOPELESS && (exact < self.radius || length(&a[last(a.len())]) > 1e6 * strips.a.rad) {
+                if exact < self.radius || length(&a[last(a.len())]) > 1e6 * strips.a.rad {
                     self.climb(segment, place.to_f64(), h);
                 }
                 if exact > f64::MIN_POSITIVE {
