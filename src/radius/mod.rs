@@ -126,7 +126,7 @@ impl<'a> Job<'a> {
     }
 
     fn run(mut self) -> (Radius, Upper) {
-        let (bend, peak) = curvature::curvature(self.frame, 0.5 * self.margin, &mut self.meter);
+        let (bend, peak) = curvature::curvature(&mut self.exact, 0.5 * self.margin, &mut self.meter);
         // searches start a little above what binds already: a term that ties is met, one that does not is proved above
         let a_little = 1.0 + 1.6 * self.options.rel_width;
         let body = body::body_to_body(&mut self.tree, bend * a_little, self.margin, &mut self.meter);
@@ -224,7 +224,7 @@ impl<'a> Job<'a> {
         } else if curvature::straight(self.frame) {
             Enclosure::INFINITE
         } else {
-            let (bend, peak) = curvature::curvature(self.frame, 0.5 * self.margin, &mut self.meter);
+            let (bend, peak) = curvature::curvature(&mut self.exact, 0.5 * self.margin, &mut self.meter);
             self.curvature_term(bend, peak)
         };
         let rim = self.options.all_terms.then_some(Rim { end_to_body: open, end_to_end: open, delta: Enclosure::ZERO });

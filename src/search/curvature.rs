@@ -2,8 +2,9 @@
 //! cells of a dyadic partition (theory.md, section 3). No root is isolated, so circles and clusters are no special case.
 
 use super::dyadic::{Dyadic, dot3, ratio};
-use super::frame::{ExactForms, Frame};
+use super::frame::Frame;
 use super::meter::Meter;
+use super::witness::Exact;
 use crate::bernstein::{Form, Scalar, UNIT, Vec3, binomial_error, binomials, dot};
 use crate::enclosure::Interval;
 use crate::integer::{Int, ldexp};
@@ -15,7 +16,8 @@ const MAX_DEPTH: u32 = 400;
 /// In the unit box: a smaller radius may never be told from 0, and only so many cells are spent on it, for the spine and
 /// for each span.
 const HOPELESS: f64 = 1e-12;
-const PATIENCE: [usize; 2] = [2_000, 64];
+const PATIENCE: usize = 2_000;
+const PATIENCE_PER_SPAN: usize = 64;
 
 /// A place of high curvature: 1/kappa there, numerically.
 #[derive(Debug, Clone, Copy)]
@@ -264,13 +266,14 @@ pub(crate) fn straight(frame: &Frame) -> bool {
 
 /// Proves 1/kappa > radius everywhere, for a radius just below (by `margin`) the least 1/kappa; returns that radius
 /// and the place.
-pub(crate) fn curvature(frame: &Frame, margin: f64, meter: &mut Meter) -> (f64, Option<Peak>) {
+pub(crate) fn curvature(exact: &mut Exact, margin: f64, meter: &mut Meter) -> (f64, Option<Peak>) {
+    let frame = exact.frame;
     let spans = parallel::map(&frame.segments, Strips::new);
-    let mut search = Search { frame, spans: &spans, margin, radius: f64::MAX, peak: None, exact: None };
+    let mut search = Search { frame, spans: &spans, margin, radius: f64::MAX, peak: None, exact };
     for segment in 0..spans.len() {
         search.sample(segment);
     }
-    let mut patience = PATIENCE[0] + PATIENCE[1] * spans.len();
+    let mut patience = PATIENCE + PATIENCE_PER_SPAN * spans.len();
     for (segment, span) in spans.iter().enumerate() {
         let bezier = &frame.segments[segment];
         let mut open = vec![Cell { strips: span.clone(), from: Dyadic::ZERO, to: Dyadic::ONE, depth: 0 }];
@@ -329,27 +332,25 @@ pub(super) fn kappa_sq(a: &Vec3<Int>, b: &Vec3<Int>, w: &Form<Int>, t: &Dyadic) 
     [square(b).mul(&w.sqr().mul(&w).sqr()), a.sqr().mul(&a)]
 }
 
-struct Search<'a> {
-    frame: &'a Frame,
+impl Exact<'_> {
+    /// 1/kappa from exact values, numerically.
+    fn radius(&mut self, segment: usize, t: &Dyadic) -> f64 {
+        let (forms, b) = self.span(segment);
+        let [num, den] = kappa_sq(&forms.a, b, &forms.w, t);
+        ratio(&den, &num).sqrt()
+    }
+}
+
+struct Search<'a, 'f> {
+    frame: &'f Frame,
     spans: &'a [Strips],
     margin: f64,
     radius: f64,
     peak: Option<Peak>,
-    /// a, w and b of the span that last asked for exact values.
-    exact: Option<(usize, ExactForms, Vec3<Int>)>,
+    exact: &'a mut Exact<'f>,
 }
 
-impl Search<'_> {
-    /// 1/kappa from exact values, numerically.
-    fn exact_radius(&mut self, segment: usize, t: &Dyadic) -> f64 {
-        let bezier = &self.frame.segments[segment];
-        let last = self.exact.take().filter(|(of, ..)| *of == segment);
-        let exact = last.unwrap_or_else(|| (segment, bezier.forms(), bezier.binormal()));
-        let (_, forms, b) = self.exact.insert(exact);
-        let [num, den] = kappa_sq(&forms.a, b, &forms.w, t);
-        ratio(&den, &num).sqrt()
-    }
-
+impl Search<'_, '_> {
     /// Looks at a few points of a span, and climbs from the best.
     fn sample(&mut self, segment: usize) {
         let steps = 4 * self.frame.segments[segment].degree();
@@ -371,7 +372,7 @@ impl Search<'_> {
         let mut radius = strips.radius_at(t).min(least);
         if length(&strips.a.at(t)) < 1e10 * strips.a.rad || length(&strips.b.at(t)) < 1e10 * strips.b.rad {
             // small against their rounding here
-            let exact = golden(|t| self.exact_radius(segment, &Dyadic::from_f64(t)), t, h);
+            let exact = golden(|t| self.exact.radius(segment, &Dyadic::from_f64(t)), t, h);
             if exact.1.is_finite() {
                 (t, radius) = exact;
             }
@@ -394,7 +395,7 @@ impl Search<'_> {
             let here = strips.radius(length(&a[last(a.len())]), length(&b[last(b.len())]), w[last(w.len())][0]);
             if here < self.radius {
                 // places of f64 may all be beside the peak; and rounding may have eaten the value here
-                let exact = self.exact_radius(segment, place);
+                let exact = self.exact.radius(segment, place);
                 if exact < self.radius || length(&a[last(a.len())]) > 1e6 * strips.a.rad {
                     self.climb(segment, place.to_f64(), h);
                 }
